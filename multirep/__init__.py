@@ -1,0 +1,59 @@
+"""One curve, many representations, kept in step with a proved deviation.
+
+``import multirep as mr`` costs nothing: every name is loaded when it is first used.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from multirep.blocks import BlockArray as BlockArray
+    from multirep.constraint import Constraint as Constraint
+    from multirep.deviation import Deviation as Deviation
+    from multirep.edit import Edit as Edit
+    from multirep.framework import Framework as Framework
+    from multirep.interval import Interval as Interval
+    from multirep.multirepresentation import MultiRepresentation as MultiRepresentation
+    from multirep.registry import Registry as Registry
+    from multirep.representation import Representation as Representation
+    from multirep.sampled import SampledSplice as SampledSplice
+    from multirep.scene import Scene as Scene
+    from multirep.session import Session as Session
+    from multirep.splices import SpliceList as SpliceList
+    from multirep.tool import Tool as Tool
+
+__version__ = "0.1.0"
+
+_HOMES = {
+    "BlockArray": "blocks",
+    "Constraint": "constraint",
+    "Deviation": "deviation",
+    "Edit": "edit",
+    "Framework": "framework",
+    "Interval": "interval",
+    "MultiRepresentation": "multirepresentation",
+    "Registry": "registry",
+    "Representation": "representation",
+    "SampledSplice": "sampled",
+    "Scene": "scene",
+    "Session": "session",
+    "SpliceList": "splices",
+    "Tool": "tool",
+}
+
+__all__ = [*_HOMES, "__version__"]
+
+
+def __getattr__(name: str) -> object:
+    """Load a public name when it is first used (PEP 562)."""
+    if name in _HOMES:
+        value = getattr(import_module(f"multirep.{_HOMES[name]}"), name)
+        globals()[name] = value
+        return value
+    raise AttributeError(f"module 'multirep' has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *_HOMES})

@@ -1,0 +1,30 @@
+"""The array types of the whole package, and the one way to freeze an array."""
+
+from __future__ import annotations
+
+from typing import Any, TypeAlias
+
+import numpy as np
+import numpy.typing as npt
+
+#: Float64 array; docstrings say the shape.
+Array: TypeAlias = npt.NDArray[np.float64]
+#: Integer indices.
+Indices: TypeAlias = npt.NDArray[np.intp]
+#: What users may pass: nested sequences, arrays, anything numpy reads.
+ArrayLike: TypeAlias = npt.ArrayLike
+
+
+def frozen_array(values: Any) -> Array:
+    """Return ``values`` as a read-only float64 array; copies only when the caller could still write to it.
+
+    Examples
+    --------
+    >>> frozen_array([1, 2]).flags.writeable
+    False
+    """
+    array: Array = np.asarray(values, dtype=np.float64)
+    if array.flags.writeable or array.base is not None:
+        array = array.copy()
+        array.setflags(write=False)
+    return array

@@ -1,0 +1,157 @@
+"""Every exception that multirep raises on purpose.
+
+Each class also derives from the built-in exception that a caller would catch anyway, says one thing, and carries
+what it is about as attributes; the message holds the numbers and the way out.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from difflib import get_close_matches
+
+
+class MultirepError(Exception):
+    """Base of all errors raised by multirep."""
+
+
+class InvalidCurveError(MultirepError, ValueError):
+    """The data do not describe a curve (NaN, wrong shape, disordered parameters, ...)."""
+
+
+class IntervalError(MultirepError, ValueError):
+    """The interval or splice list is malformed."""
+
+
+class ParameterError(MultirepError, ValueError):
+    """A parameter lies outside the domain T of the curve."""
+
+
+class InvariantError(MultirepError, AssertionError):
+    """An internal invariant is broken; ``subject`` is the value that breaks it."""
+
+    def __init__(self, message: str, subject: object = None) -> None:
+        super().__init__(message)
+        self.subject = subject
+
+
+class ToleranceError(MultirepError, ArithmeticError):
+    """The tolerance cannot be met, or not be proved; ``reachable`` is the smallest that can, if known.
+
+    Parameters
+    ----------
+    message : str
+        What was asked and what stands in the way.
+    tolerance, reachable : float or None
+        What was asked, and the smallest tolerance known to be reachable.
+    where : float or None
+        The parameter at which the proof fails.
+    """
+
+    def __init__(
+        self,
+        message: str,
+        *,
+        tolerance: float | None = None,
+        reachable: float | None = None,
+        where: float | None = None,
+    ) -> None:
+        super().__init__(message)
+        self.tolerance = tolerance
+        self.reachable = reachable
+        self.where = where
+
+
+class StaleEditError(MultirepError, ValueError):
+    """An edit was made on a representation that is not up to date where the edit changes it."""
+
+
+class UnreportedChangeError(MultirepError, ValueError):
+    """A plugin changed more of a representation than the splices that it reported."""
+
+
+class EditError(MultirepError, ValueError):
+    """A representation or tool refuses an edit because its arguments make no sense here."""
+
+
+class UnknownNameError(MultirepError, LookupError):
+    """Nothing of that name; ``name`` is what was asked for, ``available`` what there is."""
+
+    def __init__(self, what: str, name: str, available: Iterable[str]) -> None:
+        self.what = what
+        self.name = name
+        self.available = tuple(sorted(available))
+        near = get_close_matches(name, self.available, n=1)
+        hint = f"; did you mean {near[0]!r}?" if near else ";"
+        known = ", ".join(map(repr, self.available)) or "none"
+        super().__init__(f"no {what} named {name!r}{hint} known: {known}")
+
+    def __str__(self) -> str:
+        return str(self.args[0])
+
+
+class RegistrationError(MultirepError, ValueError):
+    """A plugin cannot be registered; ``plugin`` is the offending class."""
+
+    def __init__(self, message: str, plugin: object = None) -> None:
+        super().__init__(message)
+        self.plugin = plugin
+
+
+class PluginError(MultirepError, RuntimeError):
+    """A plugin raised or returned something that it must not; nothing was changed.
+
+    ``plugin`` is its name; the original exception, if any, is ``__cause__``.
+    """
+
+    def __init__(self, message: str, plugin: str) -> None:
+        super().__init__(message)
+        self.plugin = plugin
+
+
+class ConflictError(MultirepError, RuntimeError):
+    """Constraints cannot all be re-established after an edit; nothing was changed.
+
+    Parameters
+    ----------
+    message : str
+        Says which constraints, where, and how far off.
+    constraints : sequence of str
+        Their names.
+    residuals : mapping of str to float
+        What each is off by, in the units of the points.
+    cycle : sequence of str
+        The names on the cycle "re-establishing X broke Y", if there is one.
+    """
+
+    def __init__(
+        self,
+        message: str,
+        *,
+        constraints: Iterable[str] = (),
+        residuals: dict[str, float] | None = None,
+        cycle: Iterable[str] = (),
+    ) -> None:
+        super().__init__(message)
+        self.constraints = tuple(constraints)
+        self.residuals = dict(residuals or {})
+        self.cycle = tuple(cycle)
+
+
+class HistoryError(MultirepError, IndexError):
+    """There is nothing to undo or redo."""
+
+
+class ScriptError(MultirepError, ValueError):
+    """A script is wrong; ``file``, ``step`` and ``key`` say where."""
+
+    def __init__(
+        self,
+        message: str,
+        *,
+        file: str | None = None,
+        step: int | None = None,
+        key: str | None = None,
+    ) -> None:
+        self.file, self.step, self.key = file, step, key
+        where = [part for part in (file, None if step is None else f"step {step}", key) if part]
+        super().__init__(": ".join([*where, message]))
