@@ -1,0 +1,46 @@
+"""Mathematics of B-splines on plain numpy arrays.
+
+Knows no representation and nothing of the kernel. A spline here is three things: its knots
+``(n + p + 1,)``, its coefficients ``(n, D)`` (control points, or homogeneous ones with the weight in
+the last column) and its degree p. Read in this order: `find_spans` and `basis_functions`,
+`evaluate`, `blossom` with `refine` and `bernstein`, `sample_spline`, `solve_window`.
+"""
+
+from importlib import import_module
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from multirep.splines.basis import basis_functions, find_spans
+    from multirep.splines.polar import bernstein, blossom, refine
+    from multirep.splines.evaluation import evaluate
+
+__all__ = [
+    "basis_functions",
+    "bernstein",
+    "blossom",
+    "evaluate",
+    "find_spans",
+    "refine",
+]
+
+_HOMES = {
+    "basis_functions": "basis",
+    "bernstein": "polar",
+    "blossom": "polar",
+    "evaluate": "evaluation",
+    "find_spans": "basis",
+    "refine": "polar",
+}
+
+
+def __getattr__(name: str) -> object:
+    """Import the module that holds a public name when the name is first used (PEP 562)."""
+    if name not in _HOMES:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    value = getattr(import_module(f"{__name__}.{_HOMES[name]}"), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

@@ -1,0 +1,193 @@
+"""The polar form (blossom) of B-splines: change of knots, Bernstein form.
+
+The blossom of a polynomial of degree p is the symmetric function of p arguments that is affine in
+each and agrees with the polynomial on the diagonal. A control point is the blossom at its p inner
+knots, a Bernstein coefficient of the piece on [u, v] is the blossom at (u, .., u, v, .., v). All
+that follows is repeated affine interpolation between neighbours, vectorised over rows; inside the
+span that is given every weight lies in [0, 1], so nothing is amplified.
+"""
+
+import numpy as np
+
+from multirep.splines.arrays import Array, IntArray
+
+__all__ = ["bernstein", "blossom", "refine"]
+
+
+def _mix(low: Array, high: Array, argument: Array, points: Array) -> Array:
+    """Interpolate neighbouring rows of ``points``, known at low and high, at the argument."""
+    share = (argument - low) / (high - low)
+    # Both products instead of one difference: exact at share 0 and 1.
+    mixed = points[:-1] * (1.0 - share)[..., None]
+    mixed += points[1:] * share[..., None]
+    return mixed
+
+
+def _local(
+    knots: Array, coefficients: Array, degree: int, spans: IntArray
+) -> tuple[Array, Array]:
+    """Cut out knots k-p+1 .. k+p, shape (2p, m), and coefficients k-p .. k, shape (p+1, m, D)."""
+    index = np.arange(-degree, degree + 1)[:, None] + spans
+    return knots.take(index[1:]), coefficients.take(index[: degree + 1], axis=0)
+
+
+def blossom(
+    knots: Array,
+    coefficients: Array,
+    degree: int,
+    spans: IntArray,
+    arguments: Array,
+) -> Array:
+    """Evaluate the polar form of polynomial pieces.
+
+    Parameters
+    ----------
+    knots : (n + degree + 1,) array
+        Non-decreasing.
+    coefficients : (n, D) array
+        Control points, homogeneous ones too.
+    degree : int
+        Degree p of the spline, at least 1.
+    spans : (m,) integer array
+        Whose piece each row means: ``knots[k] < knots[k + 1]``.
+    arguments : (m, p) array
+        The arguments of each row; their order within a row matters only for rounding.
+
+    Returns
+    -------
+    (m, D) array
+
+    Notes
+    -----
+    de Boor's algorithm with another argument in each step; m p (p + 1) / 2 interpolations.
+    Arguments within the 2p local knots of the span are stable; farther away the result is an
+    extrapolation.
+
+    Examples
+    --------
+    The blossom of t**2 at (a, b) is a b.
+
+    >>> import numpy as np
+    >>> knots = np.array([0, 0, 0, 1, 1, 1.0])
+    >>> square = np.array([[0.0], [0.0], [1.0]])
+    >>> blossom(knots, square, 2, np.array([2]), np.array([[0.5, 0.25]]))
+    array([[0.125]])
+    """
+    local, points = _local(knots, coefficients, degree, spans)
+    for step in range(degree):
+        low, high = local[step:degree], local[degree : 2 * degree - step]
+        points = _mix(low, high, arguments[:, step], points)
+    return points[0]
+
+
+def bernstein(
+    knots: Array,
+    coefficients: Array,
+    degree: int,
+    spans: IntArray,
+    starts: Array,
+    stops: Array,
+) -> Array:
+    """Convert pieces of a spline to Bernstein form.
+
+    Parameters
+    ----------
+    knots : (n + degree + 1,) array
+        Non-decreasing.
+    coefficients : (n, D) array
+        Control points, homogeneous ones too.
+    degree : int
+        Degree p of the spline, at least 1.
+    spans : (m,) integer array
+        The span that holds each piece.
+    starts, stops : (m,) arrays
+        ``knots[k] <= start < stop <= knots[k + 1]``; one unit in the last place apart is enough.
+
+    Returns
+    -------
+    (m, p + 1, D) array
+        Row i of a piece is the blossom at (start x (p - i), stop x i).
+
+    Notes
+    -----
+    Inserts the start p times, then the stop p times (2p vectorised steps in all). Divides by
+    differences of knots and by ``knots[k + 1] - start`` only, never by the length of a piece.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> knots = np.array([0, 0, 0, 1, 1, 1.0])
+    >>> square = np.array([[0.0], [0.0], [1.0]])
+    >>> bernstein(knots, square, 2, np.array([2]), np.array([0.0]), np.array([0.5]))[0, :, 0]
+    array([0.  , 0.  , 0.25])
+    """
+    local, points = _local(knots, coefficients, degree, spans)
+    # (start x (p - r), knots k+1 .. k+r) in row r: the last entry of each step.
+    rows = np.empty_like(points)
+    rows[degree] = points[degree]
+    for step in range(degree):
+        low, high = local[step:degree], local[degree : 2 * degree - step]
+        points = _mix(low, high, starts, points)
+        rows[degree - step - 1] = points[-1]
+    above = local[degree:]
+    shares = (stops - starts) / (above - starts)
+    for step in range(degree):
+        share = shares[: degree - step, :, None]
+        rows[step + 1 :] = rows[step:-1] * (1.0 - share) + rows[step + 1 :] * share
+    return np.ascontiguousarray(rows.transpose(1, 0, 2))
+
+
+def refine(knots: Array, coefficients: Array, degree: int, new_knots: Array) -> Array:
+    """Express the same spline on more knots.
+
+    Parameters
+    ----------
+    knots : (n + degree + 1,) array
+        Non-decreasing; multiplicity up to p inside, up to p + 1 at the ends. A window of a longer
+        knot vector will do.
+    coefficients : (n, D) array
+        Control points, homogeneous ones too.
+    degree : int
+        Degree p of the spline, at least 1.
+    new_knots : (N + degree + 1,) array
+        The same knots and any number more, all of these within ``[knots[p], knots[n]]``.
+
+    Returns
+    -------
+    (N, D) array
+        A control point whose p local knots did not change is copied bit by bit.
+
+    Notes
+    -----
+    Each new control point is the blossom, at its p inner knots, of the old polynomial piece
+    nearest to the middle of its support; only the changed ones are computed.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> knots = np.array([0, 0, 0, 1, 1, 1.0])
+    >>> square = np.array([[0.0], [0.0], [1.0]])
+    >>> refine(knots, square, 2, np.array([0, 0, 0, 0.5, 1, 1, 1.0]))[:, 0]
+    array([0. , 0. , 0.5, 1. ])
+    """
+    count = len(new_knots) - degree - 1
+    # The nonempty new spans of the domain, and for each new control point the middlemost one.
+    filled = np.flatnonzero(new_knots[degree:count] < new_knots[degree + 1 : count + 1]) + degree
+    rows = np.arange(count)
+    middle = rows + degree // 2
+    after = np.minimum(filled.searchsorted(middle), len(filled) - 1)
+    right, left = filled[after], filled[np.maximum(after - 1, 0)]
+    chosen = np.where(right - middle <= middle - left, right, left)
+    spans = np.asarray(knots.searchsorted(new_knots[chosen], "right") - 1)
+    # If no local knot changed, the old control point sits as far from the span as the new one.
+    same = rows + (spans - chosen)
+    inner = np.arange(1, degree + 1)
+    arguments = new_knots.take(rows[:, None] + inner)
+    unchanged = (knots.take(same[:, None] + inner, mode="clip") == arguments).all(axis=1)
+    refined = coefficients.take(same, axis=0, mode="clip")
+    changed = np.flatnonzero(~unchanged)
+    if len(changed):
+        refined[changed] = blossom(
+            knots, coefficients, degree, spans[changed], arguments[changed]
+        )
+    return refined
