@@ -1,3 +1,1 @@
-"""Constraints: conditions that a curve keeps while tools edit it (none are built in yet)."""
-
-__all__: list[str] = []
+"""The built-in constraints come with their own issue; the contract is :class:`multirep.Constraint`."""

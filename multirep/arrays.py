@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, TypeAlias
+from typing import TypeAlias
 
 import numpy as np
 import numpy.typing as npt
@@ -15,8 +15,8 @@ Indices: TypeAlias = npt.NDArray[np.intp]
 ArrayLike: TypeAlias = npt.ArrayLike
 
 
-def frozen_array(values: Any) -> Array:
-    """Return ``values`` as a read-only float64 array; copies only when the caller could still write to it.
+def frozen_array(values: ArrayLike) -> Array:
+    """Return ``values`` as a read-only float64 array; copies only when somebody could still write to it.
 
     Examples
     --------
@@ -24,7 +24,9 @@ def frozen_array(values: Any) -> Array:
     False
     """
     array: Array = np.asarray(values, dtype=np.float64)
-    if array.flags.writeable or array.base is not None:
+    base = array.base
+    owned = base is None or (isinstance(base, np.ndarray) and not base.flags.writeable)
+    if array.flags.writeable or not owned:
         array = array.copy()
         array.setflags(write=False)
     return array

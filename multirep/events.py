@@ -1,0 +1,59 @@
+"""What a multi-representation did, as typed events: for logs, tests and the session report."""
+
+from __future__ import annotations
+
+from typing import TypeAlias
+
+import attrs
+
+from multirep.interval import Interval
+from multirep.splices import SpliceList
+
+
+@attrs.frozen
+class Sampled:
+    """An author was sampled on an interval so that another representation can follow it."""
+
+    author: str
+    interval: Interval
+    samples: int
+    bound: float
+    microseconds: float
+
+
+@attrs.frozen
+class Fitted:
+    """A representation took over what the authors say; ``splices`` is all that changed in it."""
+
+    kind: str
+    interval: Interval
+    splices: SpliceList
+    size: int
+    bound: float
+    microseconds: float
+
+
+@attrs.frozen
+class Skipped:
+    """A view found nothing to do."""
+
+    kind: str
+    reason: str
+
+
+@attrs.frozen
+class Committed:
+    """A representation became the author of ``splices``."""
+
+    kind: str
+    splices: SpliceList
+
+
+@attrs.frozen
+class Merged:
+    """Consecutive repeated points of the input were merged into one."""
+
+    points: int
+
+
+Event: TypeAlias = Sampled | Fitted | Skipped | Committed | Merged

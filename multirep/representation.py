@@ -1,0 +1,144 @@
+"""The contract of a representation: what a plugin must, may and must not override."""
+
+from __future__ import annotations
+
+import abc
+from typing import Any, ClassVar, Self
+
+import attrs
+import numpy as np
+
+from multirep.arrays import Array, ArrayLike
+from multirep.edit import Edit
+from multirep.errors import ParameterError
+from multirep.interval import Interval
+from multirep.sampled import SampledSplice
+from multirep.splices import SpliceList
+
+
+@attrs.frozen(eq=False)
+class Nearest:
+    """The place on a curve that is nearest to a given point."""
+
+    t: float
+    point: Array
+    distance: float
+
+
+class Representation(abc.ABC):
+    """One mathematical form of a curve over T, an immutable value.
+
+    You must set ``name``, ``domain`` and ``dimension`` and override :meth:`__call__`, :meth:`sample`,
+    :meth:`splice` and :meth:`fit`. You may override the methods below the second line. Nothing else.
+
+    The accuracy contract (DESIGN section 3, Grimm-Ayers 4.2 with the errata): what :meth:`sample` and
+    :meth:`splice` promise must be *proved* for all t, with :mod:`multirep.bounds` or otherwise; what cannot be
+    proved raises :class:`~multirep.errors.ToleranceError`.
+    """
+
+    #: Unique in a registry, as in "polyline".
+    name: ClassVar[str]
+    #: One line for `multirep plugins`.
+    summary: ClassVar[str] = ""
+    #: The parameter interval T.
+    domain: Interval
+    #: Number of coordinates, any d >= 1.
+    dimension: int
+
+    # -- must override -----------------------------------------------------------------------------------------
+
+    @abc.abstractmethod
+    def __call__(self, t: ArrayLike) -> Array:
+        """Points at parameters: scalar -> (d,), (m,) -> (m, d); ParameterError outside T."""
+
+    @abc.abstractmethod
+    def sample(self, interval: Interval, *, tolerance: float) -> SampledSplice:
+        """Return a polyline over ``interval``, certified within ``tolerance`` of this curve for all t.
+
+        Its end points are points of the curve itself. Corners of the curve are ``breaks`` of the sample.
+        """
+
+    @abc.abstractmethod
+    def splice(self, sampled: SampledSplice, *, tolerance: float) -> Edit[Self]:
+        """Follow ``sampled`` on its interval.
+
+        Returns an edit whose value R' has ``||R'(t) - L(t)|| <= sampled.allowance(tolerance)`` on each chord of L,
+        proved, and is bit-identical to this value outside the reported splices. The curve stays continuous: at an
+        end inside T, R' meets what stands outside, which may be off L there by up to the allowance.
+
+        Raises
+        ------
+        ToleranceError
+            When that cannot be proved; the kernel then tries a larger interval.
+        """
+
+    @classmethod
+    @abc.abstractmethod
+    def fit(cls, sampled: SampledSplice, *, tolerance: float, **options: Any) -> Self:
+        """Return a value from nothing over all of T = ``sampled.interval``, within the allowance as in splice."""
+
+    # -- may override ------------------------------------------------------------------------------------------
+
+    def reach(self, interval: Interval, within: Interval) -> Interval:
+        """Return the ends that a splice covering ``interval`` would like; it may cover up to ``within``."""
+        return interval
+
+    def changes(self, other: Self) -> SpliceList:
+        """Where this value and ``other`` may differ; must cover every difference.
+
+        The default compares everything that it can see, which is both curves' samples: O(curve). Override it with
+        something that costs what changed (see :meth:`multirep.BlockArray.difference`).
+        """
+        tolerance = 1e-3 * (self.magnitude + other.magnitude) + np.finfo(float).tiny
+        t = np.union1d(
+            self.sample(self.domain, tolerance=tolerance).t,
+            other.sample(other.domain, tolerance=tolerance).t,
+        )
+        t = np.union1d(t, 0.5 * (t[1:] + t[:-1]))
+        differs = (self(t) != other(t)).any(axis=1)
+        chords = np.flatnonzero(differs[1:] | differs[:-1])
+        return SpliceList(zip(t[chords], t[chords + 1], strict=True))
+
+    def derivative(self, t: ArrayLike, order: int = 1, side: str = "right") -> Array:
+        """Derivative by t, from the right or the left; shapes as for :meth:`__call__`."""
+        raise NotImplementedError(f"{self.name} offers no derivatives")
+
+    def nearest(self, point: ArrayLike) -> Nearest:
+        """Return the place nearest to ``point``, by certified branch and bound on :meth:`sample`."""
+        from multirep.nearest import nearest_by_sampling
+
+        return nearest_by_sampling(self, np.asarray(point, dtype=np.float64))
+
+    @property
+    def size(self) -> int:
+        """Number of stored controls, for reports."""
+        return 0
+
+    @property
+    def magnitude(self) -> float:
+        """An upper bound of the largest |coordinate|; rounding errors are relative to it."""
+        ends = np.asarray(self([self.domain.start, self.domain.stop]))
+        return float(np.abs(ends).max())
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain data (numbers, lists, strings) from which :meth:`from_dict` makes an equal value."""
+        raise NotImplementedError(f"{self.name} cannot be written as data")
+
+    @classmethod
+    def from_dict(cls, data: dict[str, Any]) -> Self:
+        """Read what :meth:`to_dict` wrote."""
+        raise NotImplementedError(f"{cls.name} cannot be read from data")
+
+    # -- don't override ----------------------------------------------------------------------------------------
+
+    def parameters(self, t: ArrayLike) -> Array:
+        """Return ``t`` as a float array, each inside T; else ParameterError with the offender."""
+        array: Array = np.asarray(t, dtype=np.float64)
+        start, stop = self.domain.start, self.domain.stop
+        if array.ndim == 0:
+            if start <= array <= stop:
+                return array
+        elif array.size == 0 or (array.min() >= start and array.max() <= stop):
+            return array
+        outside = array[~((array >= start) & (array <= stop))].flat[0] if array.ndim else array[()]
+        raise ParameterError(f"t = {outside!r} lies outside the domain [{start!r}, {stop!r}]")

@@ -1,0 +1,93 @@
+"""Sampled splices: a stretch of a curve as a polyline with a proved deviation (Grimm-Ayers 4.3)."""
+
+from __future__ import annotations
+
+import attrs
+import numpy as np
+
+from multirep.arrays import Array, ArrayLike, frozen_array
+from multirep.errors import InvalidCurveError
+from multirep.interval import Interval
+
+
+def _optional_array(values: ArrayLike | None) -> Array | None:
+    return None if values is None else frozen_array(values)
+
+
+@attrs.frozen(eq=False)
+class SampledSplice:
+    """The polyline L over [a, b] that stands for a stretch of a source curve.
+
+    Parameters
+    ----------
+    t : (m + 1,) array
+        Strictly increasing parameters; the first is a, the last is b.
+    points : (m + 1, d) array
+        L(t) there; linear in between.
+    bound : float
+        Certified: ``||source(t) - L(t)|| <= bound`` for all t in [a, b].
+    breaks : tuple of float
+        The parameters, each one of ``t``, at which the source has a corner.
+    chord_bounds : (m,) array, optional
+        The same certificate chord by chord, where the maker knows it; none exceeds ``bound``.
+
+    Examples
+    --------
+    >>> L = SampledSplice([0, 1, 2], [[0, 0], [1, 1], [2, 0]], bound=0.25, chord_bounds=[0.25, 0.125])
+    >>> L(0.5)
+    array([0.5, 0.5])
+    >>> L.allowance(0.5)
+    array([0.5  , 0.625])
+    """
+
+    t: Array = attrs.field(converter=frozen_array)
+    points: Array = attrs.field(converter=frozen_array)
+    bound: float = 0.0
+    breaks: tuple[float, ...] = ()
+    chord_bounds: Array | None = attrs.field(default=None, converter=_optional_array)
+
+    def __attrs_post_init__(self) -> None:
+        if self.t.ndim != 1 or self.points.ndim != 2 or len(self.t) != len(self.points):
+            raise InvalidCurveError(
+                f"a sampled splice needs (m,) parameters and (m, d) points, "
+                f"got {self.t.shape} and {self.points.shape}"
+            )
+        if len(self.t) < 2:
+            raise InvalidCurveError(f"a sampled splice needs 2 samples or more, got {len(self.t)}")
+        if not (self.t[1:] > self.t[:-1]).all():
+            raise InvalidCurveError("the parameters of a sampled splice must increase strictly")
+        if not np.isfinite(self.points).all():
+            raise InvalidCurveError("the points of a sampled splice must be finite")
+
+    @property
+    def interval(self) -> Interval:
+        """The stretch [a, b]."""
+        return Interval(float(self.t[0]), float(self.t[-1]))
+
+    @property
+    def dimension(self) -> int:
+        """Number of coordinates."""
+        return int(self.points.shape[1])
+
+    def __call__(self, t: ArrayLike) -> Array:
+        """L at parameters in [a, b]: scalar -> (d,), (k,) -> (k, d)."""
+        at: Array = np.asarray(t, dtype=np.float64)
+        return interpolate(self.t, self.points, at)
+
+    def allowance(self, tolerance: float) -> Array:
+        """How far a fit may be from L on each chord, (m,): what the sampler left unused, the fit may use."""
+        if self.chord_bounds is None:
+            return np.full(len(self.t) - 1, tolerance)
+        return tolerance + (self.bound - self.chord_bounds)
+
+
+def interpolate(t: Array, points: Array, at: Array) -> Array:
+    """Evaluate the polyline through ``points`` (m, d) at ``t`` (m,) for parameters ``at``; shape at.shape + (d,).
+
+    At a vertex the vertex itself comes out, bit by bit.
+    """
+    k = np.clip(t.searchsorted(at, side="right") - 1, 0, len(t) - 2)
+    start = t[k]
+    u = ((at - start) / (t[k + 1] - start))[..., None]
+    values: Array = np.where(u == 1.0, points[k + 1], points[k] + u * (points[k + 1] - points[k]))
+    return values

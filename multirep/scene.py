@@ -1,0 +1,45 @@
+"""What a tool or a constraint may see of the other curves: read-only views, by name."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING, TypeVar, overload
+
+import attrs
+
+from multirep.errors import UnknownNameError
+
+if TYPE_CHECKING:
+    from multirep.multirepresentation import MultiRepresentation
+    from multirep.representation import Representation
+
+R = TypeVar("R", bound="Representation")
+
+
+@attrs.frozen(eq=False)
+class Scene:
+    """Read-only views of the curves of a session; representations are immutable, so nothing can be spoilt.
+
+    Parameters
+    ----------
+    curves : mapping of str to MultiRepresentation
+        By name. A tool outside a session sees an empty scene.
+    """
+
+    _curves: Mapping[str, MultiRepresentation] = attrs.field(factory=dict)
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._curves)
+
+    def __len__(self) -> int:
+        return len(self._curves)
+
+    @overload
+    def view(self, curve: str, kind: type[R]) -> R: ...
+    @overload
+    def view(self, curve: str, kind: str) -> Representation: ...
+    def view(self, curve: str, kind: type[R] | str) -> R | Representation:
+        """Return a representation of another curve, brought up to date."""
+        if curve not in self._curves:
+            raise UnknownNameError("curve", curve, self._curves)
+        return self._curves[curve].view(kind)

@@ -1,0 +1,50 @@
+"""The built-in tools; each is loaded when it is first used."""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from multirep.tools.delete_vertex import DeleteVertex as DeleteVertex
+    from multirep.tools.direct_manipulation import DirectManipulation as DirectManipulation
+    from multirep.tools.insert_knot import InsertKnot as InsertKnot
+    from multirep.tools.insert_vertex import InsertVertex as InsertVertex
+    from multirep.tools.move_control_point import MoveControlPoint as MoveControlPoint
+    from multirep.tools.move_vertex import MoveVertex as MoveVertex
+    from multirep.tools.set_weight import SetWeight as SetWeight
+    from multirep.tools.spatula import Spatula as Spatula
+    from multirep.tools.sweep import Sweep as Sweep
+
+_HOMES = {
+    "DeleteVertex": "delete_vertex",
+    "DirectManipulation": "direct_manipulation",
+    "InsertKnot": "insert_knot",
+    "InsertVertex": "insert_vertex",
+    "MoveControlPoint": "move_control_point",
+    "MoveVertex": "move_vertex",
+    "SetWeight": "set_weight",
+    "Spatula": "spatula",
+    "Sweep": "sweep",
+}
+
+__all__ = [
+    "DeleteVertex",
+    "DirectManipulation",
+    "InsertKnot",
+    "InsertVertex",
+    "MoveControlPoint",
+    "MoveVertex",
+    "SetWeight",
+    "Spatula",
+    "Sweep",
+]
+
+
+def __getattr__(name: str) -> object:
+    """Load a public name when it is first used (PEP 562)."""
+    if name in _HOMES:
+        value = getattr(import_module(f"multirep.tools.{_HOMES[name]}"), name)
+        globals()[name] = value
+        return value
+    raise AttributeError(f"module 'multirep.tools' has no attribute {name!r}")
