@@ -11,8 +11,9 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from multirep.splines.basis import basis_functions, find_spans
-    from multirep.splines.polar import bernstein, blossom, refine
     from multirep.splines.evaluation import evaluate
+    from multirep.splines.least_squares import polyline_rows, solve_window
+    from multirep.splines.polar import bernstein, blossom, refine
 
 __all__ = [
     "basis_functions",
@@ -20,7 +21,9 @@ __all__ = [
     "blossom",
     "evaluate",
     "find_spans",
+    "polyline_rows",
     "refine",
+    "solve_window",
 ]
 
 _HOMES = {
@@ -29,7 +32,9 @@ _HOMES = {
     "blossom": "polar",
     "evaluate": "evaluation",
     "find_spans": "basis",
+    "polyline_rows": "least_squares",
     "refine": "polar",
+    "solve_window": "least_squares",
 }
 
 

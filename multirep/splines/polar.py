@@ -106,7 +106,8 @@ def bernstein(
     Returns
     -------
     (m, p + 1, D) array
-        Row i of a piece is the blossom at (start x (p - i), stop x i).
+        Row i of a piece is the blossom at (start x (p - i), stop x i). (Laid out in memory as
+        (p + 1, m, D).)
 
     Notes
     -----
@@ -134,7 +135,7 @@ def bernstein(
     for step in range(degree):
         share = shares[: degree - step, :, None]
         rows[step + 1 :] = rows[step:-1] * (1.0 - share) + rows[step + 1 :] * share
-    return np.ascontiguousarray(rows.transpose(1, 0, 2))
+    return rows.transpose(1, 0, 2)
 
 
 def refine(knots: Array, coefficients: Array, degree: int, new_knots: Array) -> Array:
