@@ -142,16 +142,18 @@ class HistoryError(MultirepError, IndexError):
 
 
 class ScriptError(MultirepError, ValueError):
-    """A script is wrong; ``file``, ``step`` and ``key`` say where."""
+    """A script is wrong; ``file``, ``line``, ``step`` (counted from 0, as in the report) and ``key`` say where."""
 
     def __init__(
         self,
         message: str,
         *,
         file: str | None = None,
+        line: int | None = None,
         step: int | None = None,
         key: str | None = None,
     ) -> None:
-        self.file, self.step, self.key = file, step, key
-        where = [part for part in (file, None if step is None else f"step {step}", key) if part]
+        self.file, self.line, self.step, self.key = file, line, step, key
+        place = file if line is None else f"{file}:{line}"
+        where = [part for part in (place, None if step is None else f"step {step}", key) if part]
         super().__init__(": ".join([*where, message]))

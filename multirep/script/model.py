@@ -1,0 +1,128 @@
+"""What a script says: frozen values, checked when they are made."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any, NewType
+
+import attrs
+from attrs import field, frozen, validators
+
+#: A point list as nested tuples; structured by :mod:`multirep.script.strict` in one go.
+Points = NewType("Points", tuple[tuple[float, ...], ...])
+
+#: Longest name of a curve or constraint; names become keys of the report and labels of the drawing.
+LONGEST_NAME = 200
+
+
+def _name(instance: object, attribute: attrs.Attribute[str], value: str) -> None:
+    if not value.strip() or len(value) > LONGEST_NAME or not value.isprintable():
+        raise ValueError(
+            f"{attribute.name!r} must be 1 to {LONGEST_NAME} printable characters, got {value[:60]!r}"
+        )
+
+
+@frozen
+class PointsSource:
+    """Vertices, with their parameters if given (else chord length in [0, 1]); ``notes`` are for people."""
+
+    points: Points
+    t: tuple[float, ...] | None = None
+    notes: tuple[str, ...] = ()
+
+
+@frozen
+class NurbsSource:
+    """A NURBS curve in numbers; ``notes`` are for people."""
+
+    degree: int
+    knots: tuple[float, ...]
+    points: Points
+    weights: tuple[float, ...] | None = None
+    notes: tuple[str, ...] = ()
+
+
+Source = PointsSource | NurbsSource
+
+
+@frozen
+class CurveSpec:
+    """A curve of the script.
+
+    Parameters
+    ----------
+    name : str
+        What steps and outputs call it.
+    tolerance : float
+        ε, in the units of the points.
+    source : Source
+        Where the geometry comes from.
+    representations : tuple of str or None
+        Which representations are kept; None means all that are registered.
+    """
+
+    name: str = field(validator=_name)
+    tolerance: float = field(validator=validators.gt(0))
+    source: Source
+    representations: tuple[str, ...] | None = None
+
+
+@frozen
+class ToolStep:
+    """Apply a tool: ``tool`` is the structured, validated instance."""
+
+    index: int
+    curve: str
+    name: str
+    tool: Any
+
+
+@frozen
+class ConstrainStep:
+    """Add a constraint to a curve."""
+
+    index: int
+    curve: str
+    kind: str
+    constraint: Any
+    name: str | None = None
+
+
+@frozen
+class ReleaseStep:
+    """Release a constraint by its name."""
+
+    index: int
+    curve: str
+    name: str
+
+
+@frozen
+class HistoryStep:
+    """Undo or redo some gestures."""
+
+    index: int
+    what: str
+    times: int
+
+
+Step = ToolStep | ConstrainStep | ReleaseStep | HistoryStep
+
+
+@frozen
+class Output:
+    """A picture to write: the file (relative to the output directory) and what it shows."""
+
+    svg: str
+    show: tuple[str, ...] | None = None
+    curves: tuple[str, ...] | None = None
+
+
+@frozen
+class Script:
+    """A whole script, checked; nothing in it refers to anything that is not there."""
+
+    path: Path
+    curves: tuple[CurveSpec, ...]
+    steps: tuple[Step, ...] = ()
+    outputs: tuple[Output, ...] = ()

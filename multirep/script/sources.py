@@ -1,0 +1,190 @@
+"""What a curve of a script starts from, as plain numbers: points, a NURBS, or a sub-path of a drawing."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from attrs import field, frozen, validators
+
+from multirep.errors import ScriptError
+from multirep.script.files import read_json
+from multirep.script.model import NurbsSource, Points, PointsSource, Source
+from multirep.script.strict import Mismatch, quote, structure
+
+#: The keys of a curve table that say where its geometry comes from.
+SOURCE_KEYS = ("points", "t", "nurbs", "svg", "element", "id", "fill")
+#: Exactly one of these is given.
+ORIGINS = ("points", "nurbs", "svg")
+#: Keys that a data file may carry for people: where the data come from and how they may be used.
+REMARKS = ("name", "title", "source", "licence", "license", "note")
+
+
+@frozen
+class _PointsTable:
+    """Points as a JSON object, or as keys of the script."""
+
+    points: Points
+    t: tuple[float, ...] | None = None
+
+
+@frozen
+class _NurbsTable:
+    """A NURBS as a JSON object or an inline table."""
+
+    degree: int = field(validator=validators.ge(1))
+    knots: tuple[float, ...]
+    points: Points
+    weights: tuple[float, ...] | None = None
+
+
+@frozen
+class _SvgTable:
+    """Which sub-path of which drawing."""
+
+    svg: str
+    element: int = field(default=0, validator=validators.ge(0))
+    id: str | None = None
+    fill: str | None = None
+
+
+def read_source(table: Mapping[str, Any], folder: Path) -> tuple[Source, str]:
+    """Read where a curve comes from.
+
+    Parameters
+    ----------
+    table : mapping
+        A ``[[curve]]`` of the script; only :data:`SOURCE_KEYS` are looked at.
+    folder : Path
+        What paths are relative to.
+
+    Returns
+    -------
+    source : PointsSource or NurbsSource
+    author : str
+        The representation that it is: "polyline" or "nurbs".
+
+    Raises
+    ------
+    Mismatch
+        When the table is wrong.
+    ScriptError
+        When a file that it names is.
+    """
+    given = [key for key in ORIGINS if key in table]
+    if len(given) != 1:
+        found = " and ".join(given) or "none"
+        raise Mismatch(f"a curve has exactly one of {', '.join(ORIGINS)}; got {found}")
+    origin = given[0]
+    allowed = {"points": ("points", "t"), "nurbs": ("nurbs",), "svg": ("svg", "element", "id", "fill")}
+    for key in SOURCE_KEYS:
+        if key in table and key not in allowed[origin]:
+            raise Mismatch(f"does not go with {origin!r}", key)
+    part = {key: table[key] for key in allowed[origin] if key in table}
+    if origin == "svg":
+        return _read_svg(structure(part, _SvgTable), folder), "nurbs"
+    if origin == "points":
+        return _read_points(part, folder), "polyline"
+    value = part["nurbs"]
+    if isinstance(value, str):
+        return _nurbs(_table_of(folder / structure(value, str), "nurbs", "points"), value), "nurbs"
+    try:
+        return _nurbs(value, ""), "nurbs"
+    except Mismatch as error:
+        raise Mismatch(error.problem, f"nurbs.{error.key}" if error.key else "nurbs") from None
+
+
+def _read_points(part: Mapping[str, Any], folder: Path) -> PointsSource:
+    value = part["points"]
+    if not isinstance(value, str):
+        table = structure(dict(part), _PointsTable)
+        return PointsSource(table.points, table.t)
+    path = folder / structure(value, str)
+    data = _table_of(path, "points")
+    if "t" in part:
+        if "t" in data:
+            raise Mismatch(f"given twice, here and in {value!r}", "t")
+        data["t"] = part["t"]
+    try:
+        table = structure(data, _PointsTable)
+    except Mismatch as error:
+        raise ScriptError(error.problem, file=str(path), key=error.key or None) from None
+    return PointsSource(table.points, table.t)
+
+
+def _nurbs(value: object, file: str) -> NurbsSource:
+    try:
+        table = structure(value, _NurbsTable)
+    except Mismatch as error:
+        if file:
+            raise ScriptError(error.problem, file=file, key=error.key or None) from None
+        raise
+    return NurbsSource(table.degree, table.knots, table.points, table.weights)
+
+
+def _table_of(path: Path, key: str, list_key: str = "") -> dict[str, Any]:
+    """Read a JSON file that holds an object (without its remarks), or a bare list of points."""
+    if not path.is_file():
+        raise Mismatch(f"no such file: {quote(str(path))}", key)
+    data = read_json(path)
+    if isinstance(data, list) and not list_key:
+        return {"points": data}
+    if not isinstance(data, dict):
+        raise ScriptError(f"expected an object, got {quote(data)}", file=str(path))
+    return {key: value for key, value in data.items() if key not in REMARKS}
+
+
+def _read_svg(table: _SvgTable, folder: Path) -> NurbsSource:
+    from multirep.script.outlines import join
+    from multirep.script.svg_paths import parse_color, read_drawing
+
+    path = folder / table.svg
+    if not path.is_file():
+        raise Mismatch(f"no such file: {quote(str(path))}", "svg")
+    try:
+        fill = None if table.fill is None else parse_color(table.fill)
+    except ValueError as error:
+        raise Mismatch(str(error), "fill") from None
+    drawing = read_drawing(path)
+    found = [
+        subpath
+        for subpath in drawing.subpaths
+        if (table.id is None or table.id in subpath.ids)
+        and (table.fill is None or subpath.fill == fill)
+    ]
+    chosen = [f"{key} {value!r}" for key, value in (("id", table.id), ("fill", table.fill)) if value]
+    those = f"sub-paths with {' and '.join(chosen)}" if chosen else "sub-paths"
+    if not found:
+        if chosen and drawing.subpaths:
+            key = "id" if table.id is not None else "fill"
+            ids = sorted({name for subpath in drawing.subpaths for name in subpath.ids})
+            fills = sorted({str(subpath.fill or "none") for subpath in drawing.subpaths})
+            known = ", ".join((ids if key == "id" else fills)[:20]) or "none"
+            raise Mismatch(f"{quote(str(path))} has no {those}; it has {key}s {known}", key)
+        raise ScriptError("has no sub-path to draw", file=str(path))
+    if table.element >= len(found):
+        raise Mismatch(
+            f"expected 0 to {len(found) - 1}: {quote(str(path))} has {len(found)} {those}; "
+            f"got {table.element}",
+            "element",
+        )
+    subpath = found[table.element]
+    try:
+        outline = join(subpath.segments)
+    except ValueError as error:
+        raise Mismatch(f"sub-path {table.element} of {quote(str(path))}: {error}", "element") from None
+    notes = [f"in the user units of {table.svg}"]
+    if drawing.to_pixels:
+        notes[0] += f" (to pixels: {drawing.to_pixels}, not applied)"
+    if subpath.closed:
+        notes.append("closed, opened at its start")
+    if outline.dropped:
+        notes.append(f"{outline.dropped} segments without length dropped")
+    return NurbsSource(
+        outline.degree,
+        tuple(outline.knots.tolist()),
+        Points(tuple(map(tuple, outline.points.tolist()))),
+        None if outline.weights is None else tuple(outline.weights.tolist()),
+        tuple(notes),
+    )
