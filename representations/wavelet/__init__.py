@@ -1,0 +1,1 @@
+"""The multiresolution wavelet B-spline."""

@@ -1,0 +1,105 @@
+"""Analysis: from the control points of a level to the coarser level and its details, by banded solves.
+
+With the columns of P and Q interleaved by their position along the curve, the square matrix [P | Q] is banded (five
+diagonals on either side), so one step costs O(n) with an LU factor that is kept for each level. The scheme is exact
+for cubic end-interpolating wavelets, which have no finite analysis filters (Finkelstein-Salesin 1994, section 3.2).
+"""
+
+from __future__ import annotations
+
+from functools import cache
+
+import numpy as np
+
+from multirep.arrays import Array
+from multirep.errors import InvariantError
+from multirep.representations.wavelet.filters import (
+    add_details,
+    level_of,
+    point_count,
+    refine_uniform,
+)
+from multirep.splines.arrays import IntArray
+
+__all__ = ["MAX_LEVEL", "analyse"]
+
+#: The finest level that is analysed: 2**16 spans take 16 MB of factors and 4 ms; each level more doubles both.
+MAX_LEVEL = 16
+
+
+def analyse(points: Array) -> tuple[Array, Array]:
+    """Split the control points of level j into those of level j - 1 and the details.
+
+    Parameters
+    ----------
+    points : (2**j + 3, d) array
+        Control points of level j, 1 <= j <= 16. Subtract a point near the curve first: the error of
+        a detail is relative to the largest coordinate.
+
+    Returns
+    -------
+    coarse : (2**(j-1) + 3, d) array
+        Control points of the best approximation in the L2 norm from level j - 1.
+    details : (2**(j-1), d) array
+        In units of the peaks of the wavelets.
+
+    Notes
+    -----
+    O(n) by LAPACK gbtrs; the factor is made once for each level, O(n) as well. The condition
+    number of [P | Q] is below 12 at every level.
+
+    Examples
+    --------
+    >>> points = np.array([[0.0], [2.0], [1.0], [2.0], [0.0]])
+    >>> coarse, details = analyse(points)
+    >>> add_details(rebuilt := refine_uniform(coarse), details)
+    >>> bool(np.allclose(rebuilt, points, rtol=0, atol=1e-14))
+    True
+    """
+    from scipy.linalg.lapack import dgbtrs
+
+    level = level_of(len(points))
+    factor, pivots, bands = _factor(level)
+    solution, _ = dgbtrs(factor, bands, bands, points, pivots)
+    coarse: Array = np.concatenate((solution[:1], solution[1:-1:2], solution[-1:]))
+    return coarse, solution[2:-2:2].copy()
+
+
+@cache
+def _factor(level: int) -> tuple[Array, IntArray, int]:
+    """LU factor of the interleaved [P | Q] from ``level - 1`` to ``level``, pivots, bandwidth."""
+    if not 1 <= level <= MAX_LEVEL:
+        raise ValueError(f"analysis is offered for levels 1 to {MAX_LEVEL}, got {level}")
+    from scipy.linalg.lapack import dgbtrf
+
+    count = point_count(level)
+    bands = min(5, count - 1)
+    matrix = np.zeros((3 * bands + 1, count))
+    coarse = point_count(level - 1)
+    places = np.maximum(2 * np.arange(coarse) - 1, 0)
+    places[-1] = count - 1
+    # Columns three apart have no row in common (details: six apart), so a few probes show them all.
+    colours = np.arange(coarse) % 3
+    _fill(matrix, bands, places, refine_uniform(np.eye(3)[colours]), colours)
+    colours = np.arange(coarse - 3) % 6
+    probes = np.zeros((count, 6))
+    add_details(probes, np.eye(6)[colours])
+    _fill(matrix, bands, 2 * np.arange(coarse - 3) + 2, probes, colours)
+    factor, pivots, info = dgbtrf(matrix, bands, bands, overwrite_ab=1)
+    if info:
+        raise InvariantError(f"[P | Q] of level {level} is singular", info)
+    for array in (factor, pivots):
+        array.setflags(write=False)
+    return factor, pivots, bands
+
+
+def _fill(matrix: Array, bands: int, places: IntArray, probes: Array, colours: IntArray) -> None:
+    """Write the columns that stand at ``places`` into the band matrix, read off the probes."""
+    count = len(probes)
+    for offset in range(-bands, bands + 1):
+        rows = places + offset
+        inside = (rows >= 0) & (rows < count)
+        # A probe also shows the neighbours of its own colour: P is 5 rows wide, Q 11.
+        width = 2 if probes.shape[1] == 3 else 5
+        if abs(offset) <= width:
+            matrix[2 * bands + offset, places[inside]] = probes[rows[inside], colours[inside]]
