@@ -108,6 +108,14 @@ class PluginError(MultirepError, RuntimeError):
         self.plugin = plugin
 
 
+class EditRejectedError(EditError):
+    """A tool refused an edit; ``plugin`` is its name, ``__cause__`` its reason. Nothing was changed."""
+
+    def __init__(self, message: str, plugin: str) -> None:
+        super().__init__(message)
+        self.plugin = plugin
+
+
 class ConflictError(MultirepError, RuntimeError):
     """Constraints cannot all be re-established after an edit; nothing was changed.
 

@@ -49,11 +49,4 @@ class Committed:
     splices: SpliceList
 
 
-@attrs.frozen
-class Merged:
-    """Consecutive repeated points of the input were merged into one."""
-
-    points: int
-
-
-Event: TypeAlias = Sampled | Fitted | Skipped | Committed | Merged
+Event: TypeAlias = Sampled | Fitted | Skipped | Committed

@@ -1,0 +1,332 @@
+"""One conceptual curve in several representations, kept within a tolerance of each other."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
+from typing import TypeVar, overload
+
+import attrs
+import numpy as np
+
+from multirep.arrays import ArrayLike
+from multirep.authors import AuthorMap
+from multirep.deviation import Deviation, deviation
+from multirep.edit import Edit
+from multirep.errors import (
+    InvalidCurveError,
+    RegistrationError,
+    StaleEditError,
+    ToleranceError,
+    UnknownNameError,
+)
+from multirep.events import Committed, Event, Skipped
+from multirep.interval import Interval
+from multirep.registry import Registry
+from multirep.representation import Representation
+from multirep.splices import SpliceList
+from multirep.state import Held, State
+from multirep.synchronization import (
+    SMALLEST_TOLERANCE,
+    bring_up_to_date,
+    check_edit,
+    evolve_stale,
+)
+from multirep.tightening import with_tolerance
+
+R = TypeVar("R", bound=Representation)
+
+
+class MultiRepresentation:
+    """One conceptual curve, held in every registered representation (Grimm-Ayers 4, 4.2).
+
+    Parameters
+    ----------
+    curve : Representation
+        The first author, of all of T.
+    tolerance : float, keyword
+        epsilon, in the units of the points: any two up-to-date representations are within it, for all t, proved.
+    kinds : iterable of Representation classes, optional
+        Which representations to keep; by default all registered ones.
+
+    Raises
+    ------
+    ToleranceError
+        When the tolerance is not positive, or below what rounding allows for coordinates of this size.
+
+    Notes
+    -----
+    The only mutable object of the kernel; its state is one frozen value, so :meth:`snapshot` is O(1).
+
+    Examples
+    --------
+    >>> import multirep as mr
+    >>> from multirep.representations import Nurbs, Polyline
+    >>> curve = mr.MultiRepresentation.from_points([[0, 0], [1, 2], [2, 0]], tolerance=1e-2)
+    >>> polyline = curve.view(Polyline)
+    >>> edit = polyline.move_vertex(1, [1.0, 3.0])
+    >>> curve.commit(Polyline, edit)
+    >>> print(curve.stale(Polyline), curve.deviation(Polyline, Nurbs).upper <= 1e-2)
+     True
+    """
+
+    def __init__(
+        self,
+        curve: Representation,
+        *,
+        tolerance: float,
+        kinds: Iterable[type[Representation]] | None = None,
+    ) -> None:
+        classes = list(Registry.discover().representations.values() if kinds is None else kinds)
+        if type(curve) not in classes:
+            classes.append(type(curve))
+        self._kinds: dict[str, type[Representation]] = {}
+        for kind in classes:
+            if kind.name in self._kinds:
+                raise RegistrationError(
+                    f"two representations are named {kind.name!r}: "
+                    f"{self._kinds[kind.name].__qualname__} and {kind.__qualname__}",
+                    kind,
+                )
+            self._kinds[kind.name] = kind
+        _check_tolerance(tolerance, curve)
+        held = {name: Held(None, SpliceList([curve.domain])) for name in self._kinds}
+        held[curve.name] = Held(curve, SpliceList.EMPTY)
+        self._state = State(float(tolerance), held, AuthorMap.of(curve.domain, curve.name))
+        self._listeners: tuple[Callable[[Event], None], ...] = ()
+        self.merged = 0
+
+    @classmethod
+    def from_points(
+        cls,
+        points: ArrayLike,
+        *,
+        tolerance: float,
+        t: ArrayLike | None = None,
+        kinds: Iterable[type[Representation]] | None = None,
+    ) -> MultiRepresentation:
+        """Start from points, (n, d), joined by straight lines.
+
+        Parameters
+        ----------
+        points : (n, d) array_like
+            Two distinct ones or more. Consecutive repeated points are merged; ``merged`` says how many.
+        tolerance : float, keyword
+        t : (n,) array_like, optional
+            Strictly increasing parameters; by default the chord length, scaled to [0, 1].
+        kinds : iterable of Representation classes, optional
+            One of them must be able to start from points (the polyline is).
+        """
+        kinds = list(Registry.discover().representations.values() if kinds is None else kinds)
+        starters = [kind for kind in kinds if hasattr(kind, "from_points")]
+        if not starters:
+            names = ", ".join(kind.name for kind in kinds) or "none"
+            raise RegistrationError(f"no representation offers from_points; given: {names}")
+        author = starters[0].from_points(points, t=t)  # type: ignore[attr-defined]  # just checked
+        curve = cls(author, tolerance=tolerance, kinds=kinds)
+        curve.merged = len(np.asarray(points)) - author.size
+        return curve
+
+    # -- asking ------------------------------------------------------------------------------------------------
+
+    @property
+    def domain(self) -> Interval:
+        """The parameter interval T."""
+        return self._state.authors.domain
+
+    @property
+    def dimension(self) -> int:
+        """Number of coordinates."""
+        return self._state.author_value(self._state.authors.names[0]).dimension
+
+    @property
+    def kinds(self) -> tuple[str, ...]:
+        """The names of the representations that it keeps."""
+        return tuple(self._kinds)
+
+    @property
+    def authors(self) -> tuple[tuple[Interval, str], ...]:
+        """Who last changed the curve by a tool or a constraint, stretch by stretch."""
+        return tuple(self._state.authors)
+
+    def stale(self, kind: type[Representation] | str) -> SpliceList:
+        """Where ``kind`` has not yet taken over what the authors say."""
+        return self._state.held[self._name(kind)].stale
+
+    @overload
+    def view(self, kind: type[R], where: SpliceList | Interval | None = None) -> R: ...
+    @overload
+    def view(self, kind: str, where: SpliceList | Interval | None = None) -> Representation: ...
+    def view(
+        self, kind: type[R] | str, where: SpliceList | Interval | None = None
+    ) -> R | Representation:
+        """Return ``kind``, brought up to date on all of T, or on ``where``.
+
+        Parameters
+        ----------
+        kind : class or str
+        where : SpliceList or Interval, optional
+            Only the stale stretches that meet it are worked on; the value may be stale elsewhere.
+
+        Raises
+        ------
+        ToleranceError
+            When the representation cannot prove the tolerance; the curve stays as it was.
+        """
+        name = self._name(kind)
+        region = _region(where, self.domain)
+        held = self._state.held[name]
+        if held.value is not None and not held.stale.intersects(region):
+            self._emit(Skipped(name, "up to date"))
+            return held.value
+        self._state = bring_up_to_date(self._state, self._kinds[name], region, self._emit)
+        value = self._state.held[name].value
+        assert value is not None
+        return value
+
+    def deviation(
+        self,
+        one: type[Representation] | str,
+        two: type[Representation] | str,
+        where: SpliceList | Interval | None = None,
+    ) -> Deviation:
+        """Bound the largest distance between two representations at equal t.
+
+        Both are brought up to date first. ``lower`` was seen at some t; ``upper`` is proved for all t.
+        """
+        first, second = self.view(one, where), self.view(two, where)
+        tolerance = self.tolerance
+        found = deviation(first, second, _region(where, self.domain), scale=tolerance)
+        # both are certified within half the tolerance of the author
+        return Deviation(found.lower, max(found.lower, min(found.upper, tolerance)))
+
+    # -- changing ----------------------------------------------------------------------------------------------
+
+    def commit(
+        self, kind: type[Representation] | str, edit: Edit[Representation], *, by: str | None = None
+    ) -> None:
+        """Make ``kind`` the author of the edit's splices; every other representation becomes stale there.
+
+        Parameters
+        ----------
+        kind : class or str
+        edit : Edit
+            Of the present value of ``kind``, which must be up to date where the edit changes it.
+        by : str, optional
+            Who made the edit, for messages.
+
+        Raises
+        ------
+        StaleEditError, PluginError, UnreportedChangeError, ToleranceError
+            Nothing is changed then.
+        """
+        name = self._name(kind)
+        held = self._state.held[name]
+        if held.value is None:
+            raise StaleEditError(f"{name!r} has no value yet: view it before editing it")
+        check_edit(held.value, edit, by or name)
+        if not edit.splices:
+            return
+        if held.stale.intersects(edit.splices):
+            raise StaleEditError(
+                f"{name!r} is not up to date on {held.stale & edit.splices}: view it before editing it"
+            )
+        _check_tolerance(self.tolerance, edit.value)
+        state = self._state.with_held(name, Held(edit.value, held.stale))
+        self._state = evolve_stale(state, name, edit.splices)
+        self._emit(Committed(name, edit.splices))
+
+    @property
+    def tolerance(self) -> float:
+        """Epsilon; may be set at any time. Tightening makes stale what can no longer be proved to meet it."""
+        return self._state.tolerance
+
+    @tolerance.setter
+    def tolerance(self, tolerance: float) -> None:
+        for held in self._state.held.values():
+            if held.value is not None:
+                _check_tolerance(tolerance, held.value)
+        self._state = with_tolerance(self._state, float(tolerance), self._emit)
+
+    def snapshot(self) -> State:
+        """Return the whole state, O(1); nothing is copied."""
+        return self._state
+
+    def restore(self, state: State) -> None:
+        """Go back (or forth) to a snapshot of this curve, O(1)."""
+        self._state = state
+
+    @contextmanager
+    def transaction(self) -> Iterator[None]:
+        """Everything or nothing: an exception inside the block restores the state from before it."""
+        before = self._state
+        try:
+            yield
+        except BaseException:
+            self._state = before
+            raise
+
+    # -- listening ---------------------------------------------------------------------------------------------
+
+    @contextmanager
+    def listening(self) -> Iterator[list[Event]]:
+        """Collect the events of the block.
+
+        Examples
+        --------
+        >>> import multirep as mr
+        >>> curve = mr.MultiRepresentation.from_points([[0, 0], [1, 1]], tolerance=1e-2)
+        >>> with curve.listening() as events:
+        ...     _ = curve.view("polyline")
+        >>> events
+        [Skipped(kind='polyline', reason='up to date')]
+        """
+        events: list[Event] = []
+        before = self._listeners
+        self._listeners = (*before, events.append)
+        try:
+            yield events
+        finally:
+            self._listeners = before
+
+    def _emit(self, event: Event) -> None:
+        for listener in self._listeners:
+            listener(event)
+
+    def _name(self, kind: type[Representation] | str) -> str:
+        name = kind if isinstance(kind, str) else kind.name
+        if name not in self._kinds:
+            raise UnknownNameError("representation", name, self._kinds)
+        return name
+
+    def __repr__(self) -> str:
+        sizes = ", ".join(
+            f"{name}: {held.value.size if held.value is not None else 'not viewed'}"
+            for name, held in self._state.held.items()
+        )
+        return f"MultiRepresentation(tolerance={self.tolerance:g}, {sizes})"
+
+
+def _region(where: SpliceList | Interval | None, domain: Interval) -> SpliceList:
+    if where is None:
+        return SpliceList([domain])
+    return SpliceList([where]) if isinstance(where, Interval) else where
+
+
+def _check_tolerance(tolerance: float, curve: Representation) -> None:
+    """Raise unless the tolerance is positive and above what rounding allows for these coordinates."""
+    if not (np.isfinite(tolerance) and tolerance > 0):
+        raise ToleranceError(
+            f"the tolerance must be positive and finite, got {tolerance!r}", tolerance=tolerance
+        )
+    magnitude = curve.magnitude
+    if not np.isfinite(magnitude):
+        raise InvalidCurveError("the curve has NaN or infinite coordinates")
+    reachable = SMALLEST_TOLERANCE * magnitude
+    if tolerance < reachable:
+        raise ToleranceError(
+            f"tolerance {tolerance:g} is below rounding for coordinates up to {magnitude:g}: "
+            f"the smallest reachable is {reachable:.3g}",
+            tolerance=tolerance,
+            reachable=reachable,
+        )

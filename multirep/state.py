@@ -1,0 +1,38 @@
+"""The whole state of a multi-representation as one frozen value, so that a snapshot is a reference."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import attrs
+
+from multirep.authors import AuthorMap
+from multirep.representation import Representation
+from multirep.splices import SpliceList
+
+
+@attrs.frozen(eq=False)
+class Held:
+    """One kind as it was last brought up to date: its value (None before the first view) and where it is stale."""
+
+    value: Representation | None
+    stale: SpliceList
+
+
+@attrs.frozen(eq=False)
+class State:
+    """Tolerance, held representations by name, and the authors."""
+
+    tolerance: float
+    held: Mapping[str, Held]
+    authors: AuthorMap
+
+    def with_held(self, name: str, held: Held) -> State:
+        """Return the state with another value of one kind."""
+        return attrs.evolve(self, held={**self.held, name: held})
+
+    def author_value(self, name: str) -> Representation:
+        """Return the value of a kind that is the author somewhere."""
+        value = self.held[name].value
+        assert value is not None, f"{name} is an author without a value"
+        return value

@@ -1,0 +1,216 @@
+"""Bringing a representation up to date: which stretch to splice, from what, and within which tolerance.
+
+One hop from the author to a representation has delta = epsilon/2 (DESIGN section 3). The author is sampled within
+delta/8, because a sagitta is charged twice; the splice gets what the certificate of the samples leaves. The first
+attempt asks for 7/8 of that, so that later splices find a little room at its ends; if it cannot be had, the second
+attempt asks for all of it, and further ones take in more of the neighbourhood.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from time import perf_counter_ns
+
+import attrs
+import numpy as np
+
+from multirep.composition import compose
+from multirep.edit import Edit
+from multirep.errors import InvariantError, PluginError, ToleranceError, UnreportedChangeError
+from multirep.events import Event, Fitted
+from multirep.interval import Interval
+from multirep.representation import Representation
+from multirep.sampled import SampledSplice
+from multirep.splices import SpliceList
+from multirep.state import Held, State
+
+#: Part of a hop that sampling may use. Larger leaves the fit less (it pays the sagitta again), smaller costs
+#: samples with the root of it.
+SAMPLING_SHARE = 1 / 8
+#: Part of the rest that the first attempt asks for; what it leaves is room for the gaps of later splices.
+FIRST_SHARE = 7 / 8
+#: How far beyond a stale splice, in its lengths, each attempt may reach. Small first: a splice that stays local
+#: costs little, but needs a place where the old curve is close to the author.
+REACHES = (1.0, 1.0, 4.0, 32.0, 1024.0)
+#: Smallest tolerance in terms of the largest coordinate: sampling ends at 1/1024 of it, where the rounding terms
+#: of the certificates (about 64 ulp) must still vanish.
+SMALLEST_TOLERANCE = 2.0**-36
+
+
+def hop(tolerance: float) -> float:
+    """How far a representation may be from the author when any two may differ by ``tolerance``."""
+    return 0.5 * tolerance
+
+
+def bring_up_to_date(
+    state: State, kind: type[Representation], where: SpliceList, emit: Callable[[Event], None]
+) -> State:
+    """Return the state in which ``kind`` follows the authors on ``where``.
+
+    Cost: that of the stale stretches that meet ``where``; a first view fits all of T.
+
+    Raises
+    ------
+    ToleranceError
+        When the representation cannot prove the tolerance on some stretch.
+    PluginError, UnreportedChangeError
+        When a representation breaks its contract.
+    """
+    held = state.held[kind.name]
+    if held.value is None:
+        return state.with_held(kind.name, Held(_first_fit(state, kind, emit), SpliceList.EMPTY))
+    for stale in _jobs(held.stale, where):
+        held = _splice_in(state, kind, held, stale, emit)
+        state = state.with_held(kind.name, held)
+    return state
+
+
+def _jobs(stale: SpliceList, where: SpliceList) -> Iterator[Interval]:
+    """Stale splices to work on; neighbours closer than they are long go together."""
+    job: Interval | None = None
+    for splice in stale:
+        if not where.intersects(SpliceList([splice])):
+            continue
+        if job is not None and splice.start - job.stop < min(splice.length, job.length):
+            job = job.hull(splice)
+            continue
+        if job is not None:
+            yield job
+        job = splice
+    if job is not None:
+        yield job
+
+
+def _first_fit(
+    state: State, kind: type[Representation], emit: Callable[[Event], None]
+) -> Representation:
+    delta = hop(state.tolerance)
+    sampled = compose(state, state.authors.domain, tolerance=SAMPLING_SHARE * delta, emit=emit)
+    begin = perf_counter_ns()
+    rest = delta - sampled.bound
+    try:
+        value = kind.fit(sampled, tolerance=FIRST_SHARE * rest)
+    except ToleranceError:
+        value = kind.fit(sampled, tolerance=rest)
+    if not isinstance(value, kind):
+        raise PluginError(f"{kind.name!r}.fit returned a {type(value).__name__}", kind.name)
+    elapsed = (perf_counter_ns() - begin) / 1000
+    domain = state.authors.domain
+    emit(Fitted(kind.name, domain, SpliceList([domain]), value.size, rest, elapsed))
+    return value
+
+
+def _splice_in(
+    state: State,
+    kind: type[Representation],
+    held: Held,
+    stale: Interval,
+    emit: Callable[[Event], None],
+) -> Held:
+    """Bring one stale stretch up to date, reaching out as far as it takes."""
+    value = held.value
+    assert value is not None
+    delta = hop(state.tolerance)
+    room = _room(state, kind.name, held.stale, stale)
+    last: ToleranceError | None = None
+    sampled: SampledSplice | None = None
+    for attempt, reach in enumerate(REACHES):
+        within = stale.widened(reach * stale.length).clipped(room)
+        target = value.reach(stale, within)
+        if not (within.contains(target) and target.contains(stale)):
+            raise InvariantError(f"{kind.name}.reach left {within} or lost a part of {stale}", target)
+        if attempt > 1:
+            if sampled is not None and sampled.interval == within:
+                break  # nothing more to reach for
+            target = within
+        begin = perf_counter_ns()
+        if sampled is None or sampled.interval != target:
+            fixed = (
+                value if target.start == room.start > value.domain.start else None,
+                value if target.stop == room.stop < value.domain.stop else None,
+            )
+            sampled = compose(
+                state, target, tolerance=SAMPLING_SHARE * delta, fixed=fixed, emit=emit
+            )
+            begin = perf_counter_ns()
+        rest = delta - sampled.bound
+        try:
+            edit = value.splice(sampled, tolerance=rest if attempt else FIRST_SHARE * rest)
+        except ToleranceError as error:
+            last = error
+            continue
+        check_edit(value, edit, kind.name)
+        elapsed = (perf_counter_ns() - begin) / 1000
+        emit(Fitted(kind.name, target, edit.splices, edit.value.size, edit.bound, elapsed))
+        return Held(edit.value, held.stale - SpliceList([target]))
+    assert last is not None
+    raise ToleranceError(
+        f"{kind.name} cannot follow the curve on {stale} within {state.tolerance:g}: {last}",
+        tolerance=state.tolerance,
+        where=last.where,
+    ) from last
+
+
+def _room(state: State, name: str, stale: SpliceList, job: Interval) -> Interval:
+    """How far a splice may reach: never into what ``name`` authored nor into another stale stretch."""
+    room = state.authors.room(job, name)
+    others = stale - SpliceList([job])
+    for other in others & SpliceList([room]):
+        if other.stop <= job.start:
+            room = Interval(max(room.start, other.stop), room.stop)
+        else:
+            room = Interval(room.start, min(room.stop, other.start))
+    return room
+
+
+def check_edit(before: Representation, edit: Edit[Representation], plugin: str) -> None:
+    """Raise unless ``edit`` is a sound change of ``before``; ``plugin`` is who made it.
+
+    Checked: its types, domain and dimension; that it is finite; that its splices lie in T; and, locally (shared
+    blocks are not looked into), that it reports all that it changed.
+
+    Raises
+    ------
+    PluginError
+    UnreportedChangeError
+    """
+    if not isinstance(edit, Edit) or not isinstance(edit.splices, SpliceList):
+        raise PluginError(f"{plugin!r} must return an Edit, got {type(edit).__name__}", plugin)
+    after = edit.value
+    if type(after) is not type(before):
+        raise PluginError(
+            f"{plugin!r} returned a {type(after).__name__} where a {type(before).__name__} was edited",
+            plugin,
+        )
+    if after.domain != before.domain or after.dimension != before.dimension:
+        raise PluginError(
+            f"{plugin!r} changed the domain or the dimension: from {before.domain} in "
+            f"{before.dimension} coordinates to {after.domain} in {after.dimension}",
+            plugin,
+        )
+    if edit.splices and not before.domain.contains(edit.splices.hull):
+        raise PluginError(
+            f"{plugin!r} reports splices {edit.splices} outside the domain {before.domain}", plugin
+        )
+    finite = np.isfinite(after.magnitude)
+    for splice in edit.splices:
+        finite = finite and bool(np.isfinite(after(np.linspace(*splice, 5))).all())
+    if not finite:
+        raise PluginError(f"{plugin!r} returned a curve with NaN or infinite coordinates", plugin)
+    changes = before.changes(after)
+    if not edit.splices.contains(changes):
+        raise UnreportedChangeError(
+            f"{plugin!r} changed {changes - edit.splices} without reporting it "
+            f"(reported: {edit.splices or 'nothing'})"
+        )
+
+
+def evolve_stale(state: State, name: str, splices: SpliceList) -> State:
+    """Return the state after ``name`` changed the curve on ``splices``: author there, the others stale."""
+    held = {
+        other: item
+        if other == name or item.value is None
+        else attrs.evolve(item, stale=item.stale | splices)
+        for other, item in state.held.items()
+    }
+    return attrs.evolve(state, held=held, authors=state.authors.assigned(splices, name))
