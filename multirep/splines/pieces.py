@@ -1,0 +1,97 @@
+"""A stretch of a spline, cut out of its arrays, and the polynomial pieces that chords meet on it.
+
+What the certified bounds and the sampler share. A *cell* is a nonempty knot span of the stretch; a
+*chord* is a parameter interval with a line above it; a *piece* is the part of a chord on one cell,
+so that the spline is one polynomial and the polyline one line there.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from multirep.splines.arrays import Array, IntArray
+from multirep.splines.basis import find_spans
+
+__all__ = ["Pieces", "Stretch", "cut_pieces", "cut_stretch"]
+
+EPS = float(np.finfo(np.float64).eps)
+
+
+class Stretch(NamedTuple):
+    """The knots and coefficients that a spline depends on between two parameters."""
+
+    knots: Array
+    """Knots of the stretch with p more on each side, ``(n + p + 1,)``."""
+    coefficients: Array
+    """``(n, D)``, a view."""
+    degree: int
+    rational: bool
+    breaks: Array
+    """Distinct knots around the cells, ``(c + 1,)``."""
+    spans: IntArray
+    """Span index of each cell in ``knots``, ``(c,)``."""
+
+
+class Pieces(NamedTuple):
+    """The pieces of some chords, in their order."""
+
+    chords: IntArray
+    """The chord of each piece, ``(m,)``."""
+    cells: IntArray
+    """The cell of each piece, ``(m,)``."""
+    starts: Array
+    stops: Array
+    firsts: IntArray
+    """The first piece of each chord."""
+
+
+def cut_stretch(
+    knots: Array, coefficients: Array, degree: int, start: float, stop: float, rational: bool
+) -> Stretch:
+    """Cut out what a spline depends on between ``start < stop``."""
+    first = int(find_spans(knots, degree, start))
+    last = int(find_spans(knots, degree, stop, side="left"))
+    window = knots[first - degree : last + degree + 2]
+    inner = knots[first : last + 2]
+    spans = np.flatnonzero(inner[:-1] < inner[1:])
+    breaks = np.append(inner[spans], inner[-1])
+    spans += degree
+    return Stretch(
+        window, coefficients[first - degree : last + 1], degree, rational, breaks, spans
+    )
+
+
+def cut_pieces(breaks: Array, starts: Array, stops: Array) -> Pieces:
+    """Cut chords, ``breaks[0] <= starts[i] < stops[i] <= starts[i + 1]``, at the breaks."""
+    first = breaks.searchsorted(starts, "right") - 1
+    counts = breaks.searchsorted(stops, "left") - first
+    ends = counts.cumsum()
+    firsts = ends - counts
+    chords = np.arange(len(starts)).repeat(counts)
+    cells = np.arange(ends[-1]) + (first - firsts).take(chords)
+    return Pieces(
+        chords,
+        cells,
+        np.maximum(starts.take(chords), breaks.take(cells)),
+        np.minimum(stops.take(chords), breaks.take(cells + 1)),
+        firsts,
+    )
+
+
+def rounding(stretch: Stretch, points: Array) -> Array | float:
+    """Bound what rounding does to a computed deviation, for each cell or for all of them.
+
+    ``(8 p + 16)`` units per coordinate: each of the 2p blending steps of the Bernstein form costs
+    at most 4, the line and the difference the rest. A rational is a quotient whose weights may
+    differ within a cell by their ratio.
+    """
+    coefficients, degree = stretch.coefficients, stretch.degree
+    unit = (8 * degree + 16) * EPS * float(np.sqrt(points.shape[1]))
+    if not stretch.rational:
+        return unit * max(float(np.abs(coefficients).max()), float(np.abs(points).max()))
+    weights = coefficients[:, -1]
+    largest = max(
+        float(np.abs(coefficients[:, :-1] / weights[:, None]).max()), float(np.abs(points).max())
+    )
+    local = weights.take(np.arange(-degree, 1)[:, None] + stretch.spans)
+    return np.asarray(unit * largest * (local.max(axis=0) / local.min(axis=0)))
