@@ -16,7 +16,9 @@ ArrayLike: TypeAlias = npt.ArrayLike
 
 
 def frozen_array(values: ArrayLike) -> Array:
-    """Return ``values`` as a read-only float64 array; copies only when somebody could still write to it.
+    """Return ``values`` as a read-only float64 array.
+
+    Copies only when somebody could still write to it.
 
     Examples
     --------

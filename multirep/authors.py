@@ -15,12 +15,13 @@ from multirep.splices import SpliceList
 class AuthorMap:
     """For each t, the representation that last changed the curve there by a tool or a constraint.
 
-    Neighbouring stretches have different authors. With k stretches, a look-up costs O(log k) and an assignment
-    O(k) in machine code.
+    Neighbouring stretches have different authors. With k stretches, a look-up costs O(log k) and an
+    assignment O(k) in machine code.
 
     Examples
     --------
-    >>> authors = AuthorMap.of(Interval(0, 1), "polyline").assigned(SpliceList([(0.2, 0.4)]), "nurbs")
+    >>> authors = AuthorMap.of(Interval(0, 1), "polyline")
+    >>> authors = authors.assigned(SpliceList([(0.2, 0.4)]), "nurbs")
     >>> [(str(interval), name) for interval, name in authors]
     [('[0, 0.2]', 'polyline'), ('[0.2, 0.4]', 'nurbs'), ('[0.4, 1]', 'polyline')]
     >>> print(authors.room(Interval(0.5, 0.6), "nurbs"))

@@ -1,14 +1,14 @@
 """A persistent block array: replacing a window copies the blocks it touches and shares the rest.
 
-Long arrays (vertices, knots, control points) live in block arrays, so that an edit, a snapshot and the comparison
-of two versions cost what changed and not what there is.
+Long arrays (vertices, knots, control points) live in block arrays, so that an edit, a snapshot and
+the comparison of two versions cost what changed and not what there is.
 """
 
 from __future__ import annotations
 
 from bisect import bisect_left, bisect_right
 from collections.abc import Iterable, Iterator
-from itertools import accumulate
+from itertools import accumulate, pairwise
 from typing import Any, SupportsIndex
 
 import numpy as np
@@ -17,16 +17,17 @@ from numpy.lib.mixins import NDArrayOperatorsMixin
 from multirep.arrays import Array, ArrayLike, frozen_array
 from multirep.errors import InvariantError
 
-#: Rows in a full block. Larger: an edit copies more (4096 rows of two coordinates are 64 KiB, about 4 us);
-#: smaller: more blocks, and every edit costs O(blocks) (1 us at 256 blocks).
+#: Rows in a full block. Larger: an edit copies more (4096 rows of two coordinates are 64 KiB, about
+#: 4 us); smaller: more blocks, and every edit costs O(blocks) (1 us at 256 blocks).
 BLOCK_ROWS = 4096
 
 
 class BlockArray(NDArrayOperatorsMixin):
     """An immutable float64 array, (n,) or (n, d), stored as a tuple of frozen blocks.
 
-    It reads like a numpy array: indexing, ``len``, ``shape``, operators, ufuncs and ``np.asarray`` work. An integer
-    or a slice of step 1 touches only the blocks it needs; everything else materialises the whole array, O(n).
+    It reads like a numpy array: indexing, ``len``, ``shape``, operators, ufuncs and ``np.asarray``
+    work. An integer or a slice of step 1 touches only the blocks it needs; everything else
+    materialises the whole array, O(n).
 
     Examples
     --------
@@ -56,7 +57,7 @@ class BlockArray(NDArrayOperatorsMixin):
         array = frozen_array(values)
         return cls(_cut(array), array.shape[1:])
 
-    # -- reading -----------------------------------------------------------------------------------------------
+    # -- reading -----------------------------------------------------------------------------------
 
     def __len__(self) -> int:
         return self._ends[-1] if self._ends else 0
@@ -183,9 +184,10 @@ class BlockArray(NDArrayOperatorsMixin):
         if low == len(blocks):
             return len(self)
         before = self._ends[low] - blocks[low].shape[0]
-        return before + int(blocks[low].searchsorted(value, side="right" if side == "right" else "left"))
+        inside = np.searchsorted(blocks[low], value, side="right" if side == "right" else "left")
+        return before + int(inside)
 
-    # -- making new versions -----------------------------------------------------------------------------------
+    # -- making new versions -----------------------------------------------------------------------
 
     def replaced(self, start: int, stop: int, rows: ArrayLike) -> BlockArray:
         """Return a version in which ``rows`` stand for rows start..stop-1; the counts may differ.
@@ -209,7 +211,7 @@ class BlockArray(NDArrayOperatorsMixin):
             blocks[last][blocks[last].shape[0] - (ends[last] - stop) :],
         ]
         count = sum(piece.shape[0] for piece in pieces)
-        if count < BLOCK_ROWS // 4:  # do not let many small edits crumble the blocks: take a neighbour in
+        if count < BLOCK_ROWS // 4:  # take a neighbour in: many small edits must not leave crumbs
             if last + 1 < len(blocks):
                 last += 1
                 pieces.append(blocks[last])
@@ -223,8 +225,9 @@ class BlockArray(NDArrayOperatorsMixin):
     def difference(self, other: BlockArray) -> tuple[int, int, int]:
         """Where two versions differ: ``(low, high, other_high)``.
 
-        Rows before ``low`` are bitwise equal, and so are ``self[high:]`` and ``other[other_high:]``. Equal arrays
-        give ``low == high == other_high``. Blocks that both share are not looked into: O(changed + blocks).
+        Rows before ``low`` are bitwise equal, and so are ``self[high:]`` and
+        ``other[other_high:]``. Equal arrays give ``low == high == other_high``. Blocks that both
+        share are not looked into: O(changed + blocks).
         """
         mine, theirs = list(self._blocks), list(other._blocks)
         i = 0
@@ -261,7 +264,7 @@ def _cut(array: Array) -> list[Array]:
         return [array] if n else []
     marks = [n * k // count for k in range(count + 1)]
     blocks = []
-    for start, stop in zip(marks, marks[1:], strict=False):
+    for start, stop in pairwise(marks):
         block = array[start:stop].copy()  # own memory: a view would keep the whole old array alive
         block.setflags(write=False)
         blocks.append(block)
@@ -269,7 +272,7 @@ def _cut(array: Array) -> list[Array]:
 
 
 def _common(a: Array, b: Array) -> int:
-    """Length of the common bitwise prefix (NaN never gets into a value, -0.0 equals 0.0 nowhere)."""
+    """Length of the common bitwise prefix; -0.0 and 0.0 differ."""
     n = min(len(a), len(b))
     if n == 0:
         return 0

@@ -1,8 +1,8 @@
 """What the authors say on an interval, as one sampled splice.
 
-Every stretch is sampled from its *author*, never from a copy, so errors cannot chain (DESIGN section 3). Two
-authors that meet at c may differ there by up to one hop; the composed polyline L passes through the middle, and the
-chords beside c carry half the gap in their certificate.
+Every stretch is sampled from its *author*, never from a copy, so errors cannot chain (DESIGN
+section 3). Two authors that meet at c may differ there by up to one hop; the composed polyline L
+passes through the middle, and the chords beside c carry half the gap in their certificate.
 """
 
 from __future__ import annotations
@@ -19,8 +19,9 @@ from multirep.representation import Representation
 from multirep.sampled import SampledSplice
 from multirep.state import State
 
-#: Chords beside a fixed end are certified to this part of the sampling tolerance: at such an end the whole hop may
-#: be used up by the gap, so the samples must not use any of it. Smaller costs a few more samples there.
+#: Chords beside a fixed end are certified to this part of the sampling tolerance: at such an end
+#: the whole hop may be used up by the gap, so the samples must not use any of it. Smaller costs a
+#: few more samples there.
 SHORT_FIRST_CHORDS = 1 / 64
 
 
@@ -41,7 +42,8 @@ def compose(
     tolerance : float
         Certified distance of each piece from its author.
     fixed : pair of Representation or None
-        What the splice must meet at either end because it is the author outside; chords are shortened there.
+        What the splice must meet at either end because it is the author outside; chords are
+        shortened there.
     emit : callable, optional
         Receives a :class:`~multirep.events.Sampled` per piece.
 
@@ -67,9 +69,10 @@ def compose(
 
 
 def join(pieces: list[SampledSplice]) -> SampledSplice:
-    """Join sampled splices that follow each other; at each seam L passes through the middle of both.
+    """Join sampled splices that follow each other; L passes through the middle of each seam.
 
-    The certificate of the two chords at a seam grows by half the gap there, so ``bound`` stays a certificate.
+    The certificate of the two chords at a seam grows by half the gap there, so ``bound`` stays a
+    certificate.
     """
     if len(pieces) == 1:
         return pieces[0]
@@ -108,7 +111,7 @@ def _short_end(
     *,
     first: bool,
 ) -> SampledSplice:
-    """Sample the chord at a fixed end more finely if the gap there leaves no room for its sagitta."""
+    """Sample the chord at a fixed end finely if the gap there leaves no room for its sagitta."""
     bounds = chord_bounds(piece)
     end = 0 if first else -1
     gap = float(np.linalg.norm(outside(float(piece.t[end])) - piece.points[end]))

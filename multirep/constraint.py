@@ -1,4 +1,4 @@
-"""The contract of a constraint: a condition that is re-established after every change (Grimm-Ayers 4.1)."""
+"""The contract of a constraint: a condition re-established after every change (Grimm-Ayers 4.1)."""
 
 from __future__ import annotations
 
@@ -17,7 +17,8 @@ R = TypeVar("R", bound=Representation)
 class Constraint(abc.ABC, Generic[R]):
     """A frozen attrs class: a condition on one kind of representation, always active.
 
-    You must set ``name`` and ``needs`` and override :meth:`region`, :meth:`residual` and :meth:`enforce`.
+    You must set ``name`` and ``needs`` and override :meth:`region`, :meth:`residual` and
+    :meth:`enforce`.
     """
 
     __slots__ = ()
@@ -31,7 +32,10 @@ class Constraint(abc.ABC, Generic[R]):
 
     @abc.abstractmethod
     def region(self, value: R, /) -> Interval:
-        """Return the stretch of T that the constraint claims: it may change the curve there, and is woken by changes there."""
+        """Return the stretch of T that the constraint claims.
+
+        It may change the curve there, and changes there wake it.
+        """
 
     @abc.abstractmethod
     def residual(self, value: R, /) -> float:
@@ -39,4 +43,4 @@ class Constraint(abc.ABC, Generic[R]):
 
     @abc.abstractmethod
     def enforce(self, value: R, change: SpliceList, scene: Scene, /) -> Edit[R]:
-        """Return an edit after which the condition holds; ``change`` is what woke the constraint."""
+        """Return an edit after which the condition holds; ``change`` woke the constraint."""

@@ -1,4 +1,4 @@
-"""How far two curves are apart at equal t: a lower bound that was seen, an upper bound that is proved."""
+"""How far two curves are apart at equal t: a lower bound seen, an upper bound proved."""
 
 from __future__ import annotations
 
@@ -12,7 +12,8 @@ from multirep.representation import Representation
 from multirep.sampled import SampledSplice, interpolate
 from multirep.splices import SpliceList
 
-#: First sampling tolerance in terms of the scale; the upper bound exceeds the lower one by about twice as much.
+#: First sampling tolerance in terms of the scale; the upper bound exceeds the lower one by about
+#: twice as much.
 FIRST_TOLERANCE = 1 / 64
 #: Each round samples the undecided chords this much more finely.
 TIGHTENING = 1 / 16
@@ -43,8 +44,9 @@ def deviation(
 ) -> Deviation:
     """Bound the largest distance between two curves at equal t, for all t in ``where``.
 
-    Both are sampled with certificates; between samples the difference of two polylines is largest at a vertex, so a
-    chord is bounded by its ends plus both certificates. Undecided chords are sampled more finely.
+    Both are sampled with certificates; between samples the difference of two polylines is largest
+    at a vertex, so a chord is bounded by its ends plus both certificates. Undecided chords are
+    sampled more finely.
 
     Parameters
     ----------
@@ -88,7 +90,7 @@ def deviation(
 def chord_deviations(
     one: Representation, two: Representation, interval: Interval, *, tolerance: float
 ) -> tuple[Array, Array, Array]:
-    """Bounds chord by chord: (t, seen at t, proved between neighbours), shapes (m + 1,), (m + 1,), (m,)."""
+    """Bounds chord by chord: (t, seen at t, proved between neighbours), m + 1, m + 1 and m long."""
     a, b = one.sample(interval, tolerance=tolerance), two.sample(interval, tolerance=tolerance)
     t = np.union1d(a.t, b.t)
     # distances of the polylines; at a sample of both, of the curves

@@ -20,8 +20,8 @@ class Edit(Generic[V]):
     value : Representation
         The new value; the old one is untouched.
     splices : SpliceList
-        Where they differ. Outside, the curve evaluates bit-identically, and every array element whose support
-        does not meet the interior of a splice is bit-identical.
+        Where they differ. Outside, the curve evaluates bit-identically, and every array element
+        whose support does not meet the interior of a splice is bit-identical.
     bound : float
         For a splice: the largest ``||value - L||`` that was proved. 0 for edits by hand.
     """

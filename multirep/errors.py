@@ -1,7 +1,7 @@
 """Every exception that multirep raises on purpose.
 
-Each class also derives from the built-in exception that a caller would catch anyway, says one thing, and carries
-what it is about as attributes; the message holds the numbers and the way out.
+Each class also derives from the built-in exception that a caller would catch anyway, says one
+thing, and carries what it is about as attributes; the message holds the numbers and the way out.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ class InvariantError(MultirepError, AssertionError):
 
 
 class ToleranceError(MultirepError, ArithmeticError):
-    """The tolerance cannot be met, or not be proved; ``reachable`` is the smallest that can, if known.
+    """The tolerance cannot be met, or not be proved.
 
     Parameters
     ----------
@@ -109,7 +109,7 @@ class PluginError(MultirepError, RuntimeError):
 
 
 class EditRejectedError(EditError):
-    """A tool refused an edit; ``plugin`` is its name, ``__cause__`` its reason. Nothing was changed."""
+    """A tool refused an edit; ``plugin`` is its name, ``__cause__`` its reason."""
 
     def __init__(self, message: str, plugin: str) -> None:
         super().__init__(message)
@@ -150,7 +150,10 @@ class HistoryError(MultirepError, IndexError):
 
 
 class ScriptError(MultirepError, ValueError):
-    """A script is wrong; ``file``, ``line``, ``step`` (counted from 0, as in the report) and ``key`` say where."""
+    """A script is wrong.
+
+    ``file``, ``line``, ``step`` (counted from 0, as in the report) and ``key`` say where.
+    """
 
     def __init__(
         self,

@@ -1,4 +1,4 @@
-"""The application framework: curves, tools, constraints, and the loop between them (Grimm-Ayers 4.1)."""
+"""The application framework: curves, tools, constraints, and their loop (Grimm-Ayers 4.1)."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from multirep.tool import Tool
 
 @attrs.frozen
 class Work:
-    """What an application cost: samplings and fits, samples taken, parameters changed by fits, seconds."""
+    """What an application cost: samplings, samples taken, fits, seconds."""
 
     sampled: int
     samples: int
@@ -68,7 +68,8 @@ class Framework:
     >>> import multirep as mr
     >>> from multirep.tools import MoveVertex
     >>> framework = mr.Framework()
-    >>> framework.add("zigzag", mr.MultiRepresentation.from_points([[0, 0], [1, 1], [2, 0]], tolerance=0.01))
+    >>> zigzag = mr.MultiRepresentation.from_points([[0, 0], [1, 1], [2, 0]], tolerance=0.01)
+    >>> framework.add("zigzag", zigzag)
     >>> print(framework.apply("zigzag", MoveVertex(index=1, to=(1, 2))).changed)
     [0,1]
     """
@@ -77,7 +78,7 @@ class Framework:
         self._curves: dict[str, MultiRepresentation] = {}
         self._constraints: dict[str, dict[str, Constraint[Any]]] = {}
 
-    # -- curves ------------------------------------------------------------------------------------------------
+    # -- curves ------------------------------------------------------------------------------------
 
     @property
     def curves(self) -> Mapping[str, MultiRepresentation]:
@@ -102,7 +103,7 @@ class Framework:
             raise UnknownNameError("curve", name, self._curves)
         return self._curves[name]
 
-    # -- constraints -------------------------------------------------------------------------------------------
+    # -- constraints -------------------------------------------------------------------------------
 
     def constraints(self, curve: str) -> Mapping[str, Constraint[Any]]:
         """Return the constraints of a curve by name, as a copy."""
@@ -138,10 +139,10 @@ class Framework:
             raise UnknownNameError("constraint", name, self._constraints[curve])
         del self._constraints[curve][name]
 
-    # -- the loop ----------------------------------------------------------------------------------------------
+    # -- the loop ----------------------------------------------------------------------------------
 
     def apply(self, curve: str, tool: Tool[Any]) -> Outcome:
-        """Apply a tool: view, edit, commit, re-establish the constraints, bring the tool's view up to date.
+        """Apply a tool: view, edit, commit, re-establish constraints, bring the view up to date.
 
         Raises
         ------
@@ -160,9 +161,7 @@ class Framework:
             settlement = settle(target, self._constraints[curve], edit.splices, self.scene)
             if settlement.rounds:
                 target.view(tool.edits)
-        return Outcome(
-            settlement.changed, measured.work, settlement.constraints, settlement.rounds
-        )
+        return Outcome(settlement.changed, measured.work, settlement.constraints, settlement.rounds)
 
     def _edit(self, target: MultiRepresentation, tool: Tool[Any]) -> Edit[Any]:
         value = target.view(tool.edits)
@@ -179,7 +178,7 @@ class Framework:
             ) from error
         return edit
 
-    # -- snapshots ---------------------------------------------------------------------------------------------
+    # -- snapshots ---------------------------------------------------------------------------------
 
     def snapshot(self) -> Mapping[str, CurveState]:
         """Return the state of everything; references only."""

@@ -83,7 +83,7 @@ class Interval:
         return self.start < other.stop and other.start < self.stop
 
     def intersection(self, other: Interval) -> Interval | None:
-        """What lies in both; None when they are apart."""
+        """Return what lies in both; None when they are apart."""
         start, stop = max(self.start, other.start), min(self.stop, other.stop)
         return Interval(start, stop) if start <= stop else None
 

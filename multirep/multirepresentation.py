@@ -6,7 +6,6 @@ from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from typing import TypeVar, overload
 
-import attrs
 import numpy as np
 
 from multirep.arrays import ArrayLike
@@ -45,18 +44,21 @@ class MultiRepresentation:
     curve : Representation
         The first author, of all of T.
     tolerance : float, keyword
-        epsilon, in the units of the points: any two up-to-date representations are within it, for all t, proved.
+        epsilon, in the units of the points: any two up-to-date representations are within it, for
+        all t, proved.
     kinds : iterable of Representation classes, optional
         Which representations to keep; by default all registered ones.
 
     Raises
     ------
     ToleranceError
-        When the tolerance is not positive, or below what rounding allows for coordinates of this size.
+        When the tolerance is not positive, or below what rounding allows for coordinates of this
+        size.
 
     Notes
     -----
-    The only mutable object of the kernel; its state is one frozen value, so :meth:`snapshot` is O(1).
+    The only mutable object of the kernel; its state is one frozen value, so :meth:`snapshot` is
+    O(1).
 
     Examples
     --------
@@ -110,7 +112,8 @@ class MultiRepresentation:
         Parameters
         ----------
         points : (n, d) array_like
-            Two distinct ones or more. Consecutive repeated points are merged; ``merged`` says how many.
+            Two distinct ones or more. Consecutive repeated points are merged; ``merged`` says how
+            many.
         tolerance : float, keyword
         t : (n,) array_like, optional
             Strictly increasing parameters; by default the chord length, scaled to [0, 1].
@@ -122,12 +125,12 @@ class MultiRepresentation:
         if not starters:
             names = ", ".join(kind.name for kind in kinds) or "none"
             raise RegistrationError(f"no representation offers from_points; given: {names}")
-        author = starters[0].from_points(points, t=t)  # type: ignore[attr-defined]  # just checked
+        author = starters[0].from_points(points, t=t)
         curve = cls(author, tolerance=tolerance, kinds=kinds)
         curve.merged = len(np.asarray(points)) - author.size
         return curve
 
-    # -- asking ------------------------------------------------------------------------------------------------
+    # -- asking ------------------------------------------------------------------------------------
 
     @property
     def domain(self) -> Interval:
@@ -192,7 +195,8 @@ class MultiRepresentation:
     ) -> Deviation:
         """Bound the largest distance between two representations at equal t.
 
-        Both are brought up to date first. ``lower`` was seen at some t; ``upper`` is proved for all t.
+        Both are brought up to date first. ``lower`` was seen at some t; ``upper`` is proved for all
+        t.
         """
         first, second = self.view(one, where), self.view(two, where)
         tolerance = self.tolerance
@@ -200,12 +204,12 @@ class MultiRepresentation:
         # both are certified within half the tolerance of the author
         return Deviation(found.lower, max(found.lower, min(found.upper, tolerance)))
 
-    # -- changing ----------------------------------------------------------------------------------------------
+    # -- changing ----------------------------------------------------------------------------------
 
     def commit(
         self, kind: type[Representation] | str, edit: Edit[Representation], *, by: str | None = None
     ) -> None:
-        """Make ``kind`` the author of the edit's splices; every other representation becomes stale there.
+        """Make ``kind`` the author of the edit's splices; the others become stale there.
 
         Parameters
         ----------
@@ -229,7 +233,8 @@ class MultiRepresentation:
             return
         if held.stale.intersects(edit.splices):
             raise StaleEditError(
-                f"{name!r} is not up to date on {held.stale & edit.splices}: view it before editing it"
+                f"{name!r} is not up to date on {held.stale & edit.splices}: "
+                "view it before editing it"
             )
         _check_tolerance(self.tolerance, edit.value)
         state = self._state.with_held(name, Held(edit.value, held.stale))
@@ -238,7 +243,7 @@ class MultiRepresentation:
 
     @property
     def tolerance(self) -> float:
-        """Epsilon; may be set at any time. Tightening makes stale what can no longer be proved to meet it."""
+        """Epsilon, settable at any time; tightening makes stale what cannot be proved to meet it."""
         return self._state.tolerance
 
     @tolerance.setter
@@ -258,7 +263,7 @@ class MultiRepresentation:
 
     @contextmanager
     def transaction(self) -> Iterator[None]:
-        """Everything or nothing: an exception inside the block restores the state from before it."""
+        """Everything or nothing: an exception in the block restores the state from before it."""
         before = self._state
         try:
             yield
@@ -266,7 +271,7 @@ class MultiRepresentation:
             self._state = before
             raise
 
-    # -- listening ---------------------------------------------------------------------------------------------
+    # -- listening ---------------------------------------------------------------------------------
 
     @contextmanager
     def listening(self) -> Iterator[list[Event]]:
@@ -314,7 +319,7 @@ def _region(where: SpliceList | Interval | None, domain: Interval) -> SpliceList
 
 
 def _check_tolerance(tolerance: float, curve: Representation) -> None:
-    """Raise unless the tolerance is positive and above what rounding allows for these coordinates."""
+    """Raise unless the tolerance is positive and rounding allows it for these coordinates."""
     if not (np.isfinite(tolerance) and tolerance > 0):
         raise ToleranceError(
             f"the tolerance must be positive and finite, got {tolerance!r}", tolerance=tolerance

@@ -14,19 +14,22 @@ from multirep.splices import SpliceList
 if TYPE_CHECKING:
     from multirep.representation import Nearest, Representation
 
-#: First tolerance, relative to the size of the curve: coarse enough to be cheap, fine enough to discard most of it.
+#: First tolerance, relative to the size of the curve: coarse enough to be cheap, fine enough to
+#: discard most of it.
 FIRST_TOLERANCE = 1e-2
 #: Each round tightens the tolerance by this factor; sampling counts grow with its root.
 TIGHTENING = 1 / 64
-#: The answer is within this part of the curve's size of the true distance (or as near as rounding lets it).
+#: The answer is within this part of the curve's size of the true distance (or as near as rounding
+#: lets it).
 ACCURACY = 1e-10
 
 
 def nearest_by_sampling(curve: Representation, point: Array) -> Nearest:
     """Find the place of ``curve`` nearest to ``point``.
 
-    Samples with a certified bound s, discards the chords that are farther than the nearest one by more than 2 s,
-    samples the rest more finely, and so on. Cost: one coarse sampling of the curve, then only near the answer.
+    Samples with a certified bound s, discards the chords that are farther than the nearest one by
+    more than 2 s, samples the rest more finely, and so on. Cost: one coarse sampling of the curve,
+    then only near the answer.
 
     Parameters
     ----------
@@ -46,27 +49,31 @@ def nearest_by_sampling(curve: Representation, point: Array) -> Nearest:
     from multirep.representation import Nearest
 
     if point.shape != (curve.dimension,) or not np.isfinite(point).all():
-        raise InvalidCurveError(f"expected a finite point of {curve.dimension} coordinates, got {point!r}")
+        raise InvalidCurveError(
+            f"expected a finite point of {curve.dimension} coordinates, got {point!r}"
+        )
     size = max(curve.magnitude, float(np.abs(point).max()), np.finfo(float).tiny)
     tolerance = FIRST_TOLERANCE * size
     candidates = SpliceList([curve.domain])
-    best_t = curve.domain.start
     while True:
-        t0, t1, distances, bounds = [], [], [], []
+        starts, stops, distances, bound = [], [], [], 0.0
+        best, best_t = np.inf, curve.domain.start
         for splice in candidates:
             sampled = curve.sample(splice, tolerance=tolerance)
             u, d = distance_to_chords(sampled.points[:-1], sampled.points[1:], point)
             k = int(d.argmin())
-            at = float(sampled.t[k] + u[k] * (sampled.t[k + 1] - sampled.t[k]))
-            t0.append(sampled.t[:-1]), t1.append(sampled.t[1:]), distances.append((d, at))
-            bounds.append(np.broadcast_to(sampled.bound, d.shape))
-        best, best_t = min((float(d.min()), at) for d, at in distances)
-        bound = max(float(b.max()) for b in bounds)
+            if d[k] < best:
+                best = float(d[k])
+                best_t = float(sampled.t[k] + u[k] * (sampled.t[k + 1] - sampled.t[k]))
+            starts.append(sampled.t[:-1])
+            stops.append(sampled.t[1:])
+            distances.append(d)
+            bound = max(bound, sampled.bound)
         if bound <= ACCURACY * size or tolerance <= ACCURACY * size:
             break
-        near = np.concatenate([d for d, _ in distances]) <= best + 2 * bound
-        starts, stops = np.concatenate(t0)[near], np.concatenate(t1)[near]
-        candidates = SpliceList(Interval(a, b) for a, b in zip(starts, stops, strict=True))
+        near = np.concatenate(distances) <= best + 2 * bound
+        ends = zip(np.concatenate(starts)[near], np.concatenate(stops)[near], strict=True)
+        candidates = SpliceList(Interval(float(a), float(b)) for a, b in ends)
         tolerance *= TIGHTENING
     found = curve(best_t)
     return Nearest(best_t, found, float(np.linalg.norm(found - point)))
@@ -77,6 +84,8 @@ def distance_to_chords(starts: Array, stops: Array, point: Array) -> tuple[Array
     chord = stops - starts
     length = np.einsum("ij,ij->i", chord, chord)
     along = np.einsum("ij,ij->i", point - starts, chord)
-    u: Array = np.clip(np.divide(along, length, out=np.zeros_like(along), where=length > 0), 0.0, 1.0)
+    u: Array = np.clip(
+        np.divide(along, length, out=np.zeros_like(along), where=length > 0), 0.0, 1.0
+    )
     distance: Array = np.linalg.norm(starts + u[:, None] * chord - point, axis=1)
     return u, distance

@@ -1,8 +1,8 @@
 """Which representations, tools and constraints there are.
 
-A registry is an object, not a module global. ``Registry.discover()`` lists the entry points of all installed
-packages, the built-in plugins among them; a class is imported when it is first asked for. ``Registry.of(...)`` works
-without discovery. Registration validates first and changes last.
+A registry is an object, not a module global. ``Registry.discover()`` lists the entry points of all
+installed packages, the built-in plugins among them; a class is imported when it is first asked for.
+``Registry.of(...)`` works without discovery. Registration validates first and changes last.
 """
 
 from __future__ import annotations
@@ -49,7 +49,8 @@ class Plugins(Mapping[str, type[P]], Generic[P]):
                 plugin = entry.load()
             except Exception as error:
                 raise RegistrationError(
-                    f"{self._what} {name!r} from {self._sources[name]} cannot be loaded: {error}", entry
+                    f"{self._what} {name!r} from {self._sources[name]} cannot be loaded: {error}",
+                    entry,
                 ) from error
             validate(plugin, self._what, self._base)
             if plugin.name != name:
@@ -95,7 +96,8 @@ class Registry:
     >>> registry.tools["move-vertx"]
     Traceback (most recent call last):
         ...
-    multirep.errors.UnknownNameError: no tool named 'move-vertx'; did you mean 'move-vertex'? known: 'move-vertex'
+    multirep.errors.UnknownNameError: no tool named 'move-vertx'; did you mean 'move-vertex'? known:
+    'move-vertex'
     """
 
     def __init__(self) -> None:
@@ -110,8 +112,8 @@ class Registry:
         Raises
         ------
         RegistrationError
-            When a class breaks its contract, when two share a name (both sources are named), or when a tool or
-            constraint works on a representation that is not among them.
+            When a class breaks its contract, when two share a name (both sources are named), or
+            when a tool or constraint works on a representation that is not among them.
         """
         registry = cls()
         for plugin in plugins:
@@ -157,7 +159,7 @@ def validate(plugin: Any, what: str, base: type) -> None:
     if not (isinstance(plugin, type) and issubclass(plugin, base)):
         raise RegistrationError(f"{label} is not a {base.__name__}", plugin)
     if inspect.isabstract(plugin):
-        missing = ", ".join(sorted(plugin.__abstractmethods__))
+        missing = ", ".join(sorted(getattr(plugin, "__abstractmethods__", ())))
         raise RegistrationError(f"{what} {label} does not override: {missing}", plugin)
     name = getattr(plugin, "name", None)
     if not isinstance(name, str) or not name or name != name.strip().lower():

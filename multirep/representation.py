@@ -28,12 +28,13 @@ class Nearest:
 class Representation(abc.ABC):
     """One mathematical form of a curve over T, an immutable value.
 
-    You must set ``name``, ``domain`` and ``dimension`` and override :meth:`__call__`, :meth:`sample`,
-    :meth:`splice` and :meth:`fit`. You may override the methods below the second line. Nothing else.
+    You must set ``name``, ``domain`` and ``dimension`` and override :meth:`__call__`,
+    :meth:`sample`, :meth:`splice` and :meth:`fit`. You may override the methods below the second
+    line. Nothing else.
 
-    The accuracy contract (DESIGN section 3, Grimm-Ayers 4.2 with the errata): what :meth:`sample` and
-    :meth:`splice` promise must be *proved* for all t, with :mod:`multirep.bounds` or otherwise; what cannot be
-    proved raises :class:`~multirep.errors.ToleranceError`.
+    The accuracy contract (DESIGN section 3, Grimm-Ayers 4.2 with the errata): what :meth:`sample`
+    and :meth:`splice` promise must be *proved* for all t, with :mod:`multirep.bounds` or otherwise;
+    what cannot be proved raises :class:`~multirep.errors.ToleranceError`.
     """
 
     #: Unique in a registry, as in "polyline".
@@ -45,7 +46,7 @@ class Representation(abc.ABC):
     #: Number of coordinates, any d >= 1.
     dimension: int
 
-    # -- must override -----------------------------------------------------------------------------------------
+    # -- must override -----------------------------------------------------------------------------
 
     @abc.abstractmethod
     def __call__(self, t: ArrayLike) -> Array:
@@ -53,18 +54,20 @@ class Representation(abc.ABC):
 
     @abc.abstractmethod
     def sample(self, interval: Interval, *, tolerance: float) -> SampledSplice:
-        """Return a polyline over ``interval``, certified within ``tolerance`` of this curve for all t.
+        """Return a polyline over ``interval``, certified within ``tolerance`` for all t.
 
-        Its end points are points of the curve itself. Corners of the curve are ``breaks`` of the sample.
+        Its end points are points of the curve itself. Corners of the curve are ``breaks`` of the
+        sample.
         """
 
     @abc.abstractmethod
     def splice(self, sampled: SampledSplice, *, tolerance: float) -> Edit[Self]:
         """Follow ``sampled`` on its interval.
 
-        Returns an edit whose value R' has ``||R'(t) - L(t)|| <= sampled.allowance(tolerance)`` on each chord of L,
-        proved, and is bit-identical to this value outside the reported splices. The curve stays continuous: at an
-        end inside T, R' meets what stands outside, which may be off L there by up to the allowance.
+        Returns an edit whose value R' has ``||R'(t) - L(t)|| <= sampled.allowance(tolerance)`` on
+        each chord of L, proved, and is bit-identical to this value outside the reported splices.
+        The curve stays continuous: at an end inside T, R' meets what stands outside, which may be
+        off L there by up to the allowance.
 
         Raises
         ------
@@ -75,19 +78,20 @@ class Representation(abc.ABC):
     @classmethod
     @abc.abstractmethod
     def fit(cls, sampled: SampledSplice, *, tolerance: float, **options: Any) -> Self:
-        """Return a value from nothing over all of T = ``sampled.interval``, within the allowance as in splice."""
+        """Return a value from nothing over T = ``sampled.interval``, within the allowance."""
 
-    # -- may override ------------------------------------------------------------------------------------------
+    # -- may override ------------------------------------------------------------------------------
 
     def reach(self, interval: Interval, within: Interval) -> Interval:
-        """Return the ends that a splice covering ``interval`` would like; it may cover up to ``within``."""
+        """Return the ends that a splice covering ``interval`` would like, inside ``within``."""
         return interval
 
     def changes(self, other: Self) -> SpliceList:
         """Where this value and ``other`` may differ; must cover every difference.
 
-        The default compares everything that it can see, which is both curves' samples: O(curve). Override it with
-        something that costs what changed (see :meth:`multirep.BlockArray.difference`).
+        The default compares everything that it can see, which is both curves' samples: O(curve).
+        Override it with something that costs what changed (see
+        :meth:`multirep.BlockArray.difference`).
         """
         tolerance = 1e-3 * (self.magnitude + other.magnitude) + np.finfo(float).tiny
         t = np.union1d(
@@ -100,11 +104,11 @@ class Representation(abc.ABC):
         return SpliceList(zip(t[chords], t[chords + 1], strict=True))
 
     def derivative(self, t: ArrayLike, order: int = 1, side: str = "right") -> Array:
-        """Derivative by t, from the right or the left; shapes as for :meth:`__call__`."""
+        """Return the derivative by t, from the right or the left; shapes as for a call."""
         raise NotImplementedError(f"{self.name} offers no derivatives")
 
     def nearest(self, point: ArrayLike) -> Nearest:
-        """Return the place nearest to ``point``, by certified branch and bound on :meth:`sample`."""
+        """Return the place nearest to ``point``, by certified branch and bound on samples."""
         from multirep.nearest import nearest_by_sampling
 
         return nearest_by_sampling(self, np.asarray(point, dtype=np.float64))
@@ -121,7 +125,7 @@ class Representation(abc.ABC):
         return float(np.abs(ends).max())
 
     def to_dict(self) -> dict[str, Any]:
-        """Plain data (numbers, lists, strings) from which :meth:`from_dict` makes an equal value."""
+        """Return plain data from which :meth:`from_dict` makes an equal value."""
         raise NotImplementedError(f"{self.name} cannot be written as data")
 
     @classmethod
@@ -129,7 +133,7 @@ class Representation(abc.ABC):
         """Read what :meth:`to_dict` wrote."""
         raise NotImplementedError(f"{cls.name} cannot be read from data")
 
-    # -- don't override ----------------------------------------------------------------------------------------
+    # -- don't override ----------------------------------------------------------------------------
 
     def parameters(self, t: ArrayLike) -> Array:
         """Return ``t`` as a float array, each inside T; else ParameterError with the offender."""

@@ -33,7 +33,8 @@ class SampledSplice:
 
     Examples
     --------
-    >>> L = SampledSplice([0, 1, 2], [[0, 0], [1, 1], [2, 0]], bound=0.25, chord_bounds=[0.25, 0.125])
+    >>> points = [[0, 0], [1, 1], [2, 0]]
+    >>> L = SampledSplice([0, 1, 2], points, bound=0.25, chord_bounds=[0.25, 0.125])
     >>> L(0.5)
     array([0.5, 0.5])
     >>> L.allowance(0.5)
@@ -75,15 +76,19 @@ class SampledSplice:
         return interpolate(self.t, self.points, at)
 
     def allowance(self, tolerance: float) -> Array:
-        """How far a fit may be from L on each chord, (m,): what the sampler left unused, the fit may use."""
+        """How far a fit may be from L on each chord, (m,).
+
+        What the sampler certifiably left unused of its share, the fit may use.
+        """
         if self.chord_bounds is None:
             return np.full(len(self.t) - 1, tolerance)
         return tolerance + (self.bound - self.chord_bounds)
 
 
 def interpolate(t: Array, points: Array, at: Array) -> Array:
-    """Evaluate the polyline through ``points`` (m, d) at ``t`` (m,) for parameters ``at``; shape at.shape + (d,).
+    """Evaluate the polyline through ``points`` (m, d) at ``t`` (m,) for parameters ``at``.
 
+    The result has the shape ``at.shape + (d,)``.
     At a vertex the vertex itself comes out, bit by bit.
     """
     k = np.clip(t.searchsorted(at, side="right") - 1, 0, len(t) - 2)

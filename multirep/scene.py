@@ -18,7 +18,7 @@ R = TypeVar("R", bound="Representation")
 
 @attrs.frozen(eq=False)
 class Scene:
-    """Read-only views of the curves of a session; representations are immutable, so nothing can be spoilt.
+    """Read-only views of the curves of a session: representations are immutable values.
 
     Parameters
     ----------

@@ -35,7 +35,8 @@ class Session:
     >>> import multirep as mr
     >>> from multirep.tools import MoveVertex
     >>> session = mr.Session()
-    >>> session.add("zigzag", mr.MultiRepresentation.from_points([[0, 0], [1, 1], [2, 0]], tolerance=0.01))
+    >>> zigzag = mr.MultiRepresentation.from_points([[0, 0], [1, 1], [2, 0]], tolerance=0.01)
+    >>> session.add("zigzag", zigzag)
     >>> before = session.curve("zigzag").view("polyline")
     >>> with session.gesture("zigzag") as gesture:
     ...     for height in (1.5, 2.0):
@@ -68,9 +69,7 @@ class Session:
         with self._step():
             return self.framework.apply(curve, tool)
 
-    def constrain(
-        self, curve: str, constraint: Constraint[Any], *, name: str | None = None
-    ) -> str:
+    def constrain(self, curve: str, constraint: Constraint[Any], *, name: str | None = None) -> str:
         """Add a constraint as one undo step; returns its name."""
         with self._step():
             return self.framework.constrain(curve, constraint, name=name)[0]
@@ -103,7 +102,7 @@ class Session:
         self._past.append(before)
         self._future.clear()
 
-    # -- history -----------------------------------------------------------------------------------------------
+    # -- history -----------------------------------------------------------------------------------
 
     @property
     def undoable(self) -> int:

@@ -1,4 +1,4 @@
-"""Re-establishing constraints after a change: bounded rounds, and a graph of who broke whom (Grimm-Ayers 4.1)."""
+"""Re-establishing constraints after a change: bounded rounds, and a graph of who broke whom."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class Settled:
 
 @attrs.frozen
 class Settlement:
-    """How re-establishing went: rounds taken, residuals of all touched constraints, all that changed on the way."""
+    """How re-establishing went: rounds, residuals of the touched constraints, all that changed."""
 
     rounds: int
     constraints: tuple[Settled, ...]
@@ -44,13 +44,15 @@ def settle(
 ) -> Settlement:
     """Re-establish the constraints that ``change`` touches, again and again until all hold.
 
-    Each round enforces the broken ones, by priority and then by name. Whenever enforcing X breaks Y, the graph gets
-    an edge; a constraint that must be enforced again although it lies on a cycle is a conflict.
+    Each round enforces the broken ones, by priority and then by name. Whenever enforcing X breaks
+    Y, the graph gets an edge; a constraint that must be enforced again although it lies on a cycle
+    is a conflict.
 
     Raises
     ------
     ConflictError
-        With the constraints on the cycle (or all that do not hold after the last round) and their residuals.
+        With the constraints on the cycle (or all that do not hold after the last round) and their
+        residuals.
     PluginError
         When a constraint raises or breaks its contract.
     """

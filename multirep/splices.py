@@ -1,8 +1,9 @@
 """Splice lists: canonical sets of disjoint closed parameter intervals.
 
-A splice list is a *regular closed* set: each splice has a positive length, touching splices are one, and the
-operations close their result again. So union, intersection and difference form a Boolean algebra, equal sets are
-equal values, and a difference never leaves single points behind (Grimm-Ayers 4.3 mark invalid stretches so).
+A splice list is a *regular closed* set: each splice has a positive length, touching splices are
+one, and the operations close their result again. So union, intersection and difference form a
+Boolean algebra, equal sets are equal values, and a difference never leaves single points behind
+(Grimm-Ayers 4.3 mark invalid stretches so).
 """
 
 from __future__ import annotations
@@ -10,12 +11,14 @@ from __future__ import annotations
 from bisect import bisect_left, bisect_right
 from collections.abc import Iterable, Iterator, Sequence
 from fractions import Fraction
+from itertools import pairwise
 from typing import ClassVar
 
 from multirep.errors import IntervalError, InvariantError
 from multirep.interval import Interval
 
-#: Dyadic fractions up to this denominator print as fractions ("3/8"); all other numbers as decimals.
+#: Dyadic fractions up to this denominator print as fractions ("3/8"); all other numbers as
+#: decimals.
 LARGEST_DENOMINATOR = 1024
 
 
@@ -29,7 +32,8 @@ class SpliceList:
 
     Notes
     -----
-    With k splices in the list, set operations cost O(k) in machine code (slices of tuples); membership O(log k).
+    With k splices in the list, set operations cost O(k) in machine code (slices of tuples);
+    membership O(log k).
 
     Examples
     --------
@@ -85,7 +89,7 @@ class SpliceList:
             rest = tail.lstrip()
         return cls(splices)
 
-    # -- asking ------------------------------------------------------------------------------------------------
+    # -- asking ------------------------------------------------------------------------------------
 
     def __iter__(self) -> Iterator[Interval]:
         return map(Interval, self._starts, self._stops)
@@ -123,7 +127,7 @@ class SpliceList:
 
     __contains__ = contains
 
-    # -- algebra -----------------------------------------------------------------------------------------------
+    # -- algebra -----------------------------------------------------------------------------------
 
     def __or__(self, other: SpliceList) -> SpliceList:
         if not other._starts:
@@ -175,7 +179,7 @@ class SpliceList:
             for start, stop in zip(small._starts, small._stops, strict=True)
         )
 
-    # -- identity ----------------------------------------------------------------------------------------------
+    # -- identity ----------------------------------------------------------------------------------
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, SpliceList):
@@ -198,7 +202,7 @@ class SpliceList:
     def check(self) -> None:
         """Raise InvariantError unless the list is canonical."""
         ends = [end for pair in zip(self._starts, self._stops, strict=True) for end in pair]
-        if any(not a < b for a, b in zip(ends, ends[1:], strict=False)):
+        if any(not a < b for a, b in pairwise(ends)):
             raise InvariantError("splices must be disjoint, sorted and of positive length", self)
 
 

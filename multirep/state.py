@@ -1,4 +1,4 @@
-"""The whole state of a multi-representation as one frozen value, so that a snapshot is a reference."""
+"""The whole state of a multi-representation as one frozen value; a snapshot is a reference."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from multirep.splices import SpliceList
 
 @attrs.frozen(eq=False)
 class Held:
-    """One kind as it was last brought up to date: its value (None before the first view) and where it is stale."""
+    """One kind: its value when last brought up to date (None before) and where it is stale."""
 
     value: Representation | None
     stale: SpliceList

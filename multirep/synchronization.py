@@ -1,9 +1,10 @@
-"""Bringing a representation up to date: which stretch to splice, from what, and within which tolerance.
+"""Bringing a representation up to date: which stretch to splice, from what, how closely.
 
-One hop from the author to a representation has delta = epsilon/2 (DESIGN section 3). The author is sampled within
-delta/8, because a sagitta is charged twice; the splice gets what the certificate of the samples leaves. The first
-attempt asks for 7/8 of that, so that later splices find a little room at its ends; if it cannot be had, the second
-attempt asks for all of it, and further ones take in more of the neighbourhood.
+One hop from the author to a representation has delta = epsilon/2 (DESIGN section 3). The author
+is sampled within delta/8, because a sagitta is charged twice; the splice gets what the certificate
+of the samples leaves. The first attempt asks for 7/8 of that, so that later splices find a little
+room at its ends; if it cannot be had, the second attempt asks for all of it, and further ones take
+in more of the neighbourhood.
 """
 
 from __future__ import annotations
@@ -24,16 +25,17 @@ from multirep.sampled import SampledSplice
 from multirep.splices import SpliceList
 from multirep.state import Held, State
 
-#: Part of a hop that sampling may use. Larger leaves the fit less (it pays the sagitta again), smaller costs
-#: samples with the root of it.
+#: Part of a hop that sampling may use. Larger leaves the fit less (it pays the sagitta again),
+#: smaller costs samples with the root of it.
 SAMPLING_SHARE = 1 / 8
-#: Part of the rest that the first attempt asks for; what it leaves is room for the gaps of later splices.
+#: Part of the rest that the first attempt asks for; what it leaves is room for the gaps of later
+#: splices.
 FIRST_SHARE = 7 / 8
-#: How far beyond a stale splice, in its lengths, each attempt may reach. Small first: a splice that stays local
-#: costs little, but needs a place where the old curve is close to the author.
+#: How far beyond a stale splice, in its lengths, each attempt may reach. Small first: a splice that
+#: stays local costs little, but needs a place where the old curve is close to the author.
 REACHES = (1.0, 1.0, 4.0, 32.0, 1024.0)
-#: Smallest tolerance in terms of the largest coordinate: sampling ends at 1/1024 of it, where the rounding terms
-#: of the certificates (about 64 ulp) must still vanish.
+#: Smallest tolerance in terms of the largest coordinate: sampling ends at 1/1024 of it, where the
+#: rounding terms of the certificates (about 64 ulp) must still vanish.
 SMALLEST_TOLERANCE = 2.0**-36
 
 
@@ -118,7 +120,9 @@ def _splice_in(
         within = stale.widened(reach * stale.length).clipped(room)
         target = value.reach(stale, within)
         if not (within.contains(target) and target.contains(stale)):
-            raise InvariantError(f"{kind.name}.reach left {within} or lost a part of {stale}", target)
+            raise InvariantError(
+                f"{kind.name}.reach left {within} or lost a part of {stale}", target
+            )
         if attempt > 1:
             if sampled is not None and sampled.interval == within:
                 break  # nothing more to reach for
@@ -152,7 +156,7 @@ def _splice_in(
 
 
 def _room(state: State, name: str, stale: SpliceList, job: Interval) -> Interval:
-    """How far a splice may reach: never into what ``name`` authored nor into another stale stretch."""
+    """How far a splice may reach: not into what ``name`` authored nor another stale stretch."""
     room = state.authors.room(job, name)
     others = stale - SpliceList([job])
     for other in others & SpliceList([room]):
@@ -166,8 +170,8 @@ def _room(state: State, name: str, stale: SpliceList, job: Interval) -> Interval
 def check_edit(before: Representation, edit: Edit[Representation], plugin: str) -> None:
     """Raise unless ``edit`` is a sound change of ``before``; ``plugin`` is who made it.
 
-    Checked: its types, domain and dimension; that it is finite; that its splices lie in T; and, locally (shared
-    blocks are not looked into), that it reports all that it changed.
+    Checked: its types, domain and dimension; that it is finite; that its splices lie in T; and,
+    locally (shared blocks are not looked into), that it reports all that it changed.
 
     Raises
     ------
@@ -179,7 +183,8 @@ def check_edit(before: Representation, edit: Edit[Representation], plugin: str) 
     after = edit.value
     if type(after) is not type(before):
         raise PluginError(
-            f"{plugin!r} returned a {type(after).__name__} where a {type(before).__name__} was edited",
+            f"{plugin!r} returned a {type(after).__name__} "
+            f"where a {type(before).__name__} was edited",
             plugin,
         )
     if after.domain != before.domain or after.dimension != before.dimension:
@@ -194,7 +199,9 @@ def check_edit(before: Representation, edit: Edit[Representation], plugin: str) 
         )
     finite = np.isfinite(after.magnitude)
     for splice in edit.splices:
-        finite = finite and bool(np.isfinite(after(np.linspace(*splice, 5))).all())
+        finite = finite and bool(
+            np.isfinite(after(np.linspace(splice.start, splice.stop, 5))).all()
+        )
     if not finite:
         raise PluginError(f"{plugin!r} returned a curve with NaN or infinite coordinates", plugin)
     changes = before.changes(after)
@@ -206,7 +213,7 @@ def check_edit(before: Representation, edit: Edit[Representation], plugin: str) 
 
 
 def evolve_stale(state: State, name: str, splices: SpliceList) -> State:
-    """Return the state after ``name`` changed the curve on ``splices``: author there, the others stale."""
+    """Return the state after ``name`` changed the curve: author there, the others stale."""
     held = {
         other: item
         if other == name or item.value is None

@@ -1,9 +1,10 @@
 """Changing the tolerance: what no longer meets it becomes stale, and seams that gape are closed.
 
-Two authors that meet at c agree there only within the hop of the tolerance under which they were brought into step.
-Under a smaller tolerance the gap may be too wide for any continuous curve to follow both; then the author on the
-right gives way: over a stretch beside the seam it is led into the end of the left one. That is the one place where
-an authored stretch changes without a tool, by no more than the gap.
+Two authors that meet at c agree there only within the hop of the tolerance under which they were
+brought into step. Under a smaller tolerance the gap may be too wide for any continuous curve to
+follow both; then the author on the right gives way: over a stretch beside the seam it is led into
+the end of the left one. That is the one place where an authored stretch changes without a tool, by
+no more than the gap.
 """
 
 from __future__ import annotations
@@ -23,7 +24,8 @@ from multirep.splices import SpliceList
 from multirep.state import Held, State
 from multirep.synchronization import SAMPLING_SHARE, check_edit, evolve_stale, hop
 
-#: A seam is closed when its gap exceeds this part of the hop; the rest is room for those who must follow both.
+#: A seam is closed when its gap exceeds this part of the hop; the rest is room for those who must
+#: follow both.
 WIDEST_SEAM = 1 / 2
 #: Certified distance at which the author that gives way meets the other, in terms of the hop.
 SEAM_SHARE = 1 / 8
@@ -32,7 +34,8 @@ SEAM_SHARE = 1 / 8
 def with_tolerance(state: State, tolerance: float, emit: Callable[[Event], None]) -> State:
     """Return the state under another tolerance.
 
-    Loosening costs nothing. Tightening costs one certified comparison of every kind with the authors.
+    Loosening costs nothing. Tightening costs one certified comparison of every kind with the
+    authors.
 
     Raises
     ------
@@ -94,7 +97,7 @@ def _close(
 
 
 def _beside(state: State, seam: float) -> tuple[tuple[Interval, str], tuple[Interval, str]]:
-    """The whole stretches left and right of a seam with their authors."""
+    """Return the whole stretches left and right of a seam with their authors."""
     stretches = state.authors.segments(state.authors.domain)
     k = next(k for k, (stretch, _) in enumerate(stretches) if stretch.start == seam)
     return stretches[k - 1], stretches[k]
@@ -108,7 +111,7 @@ def _ramped(sampled: SampledSplice, gap: np.ndarray) -> SampledSplice:
 
 
 def _led_out(sampled: SampledSplice, value: Representation) -> SampledSplice:
-    """Let a sampled splice begin where ``value`` stands at its start, fading linearly to the samples."""
+    """Let a sampled splice begin where ``value`` stands, fading linearly to the samples."""
     a, b = sampled.interval
     fade = ((b - sampled.t) / (b - a))[:, None]
     shift = fade * (value(a) - sampled.points[0])

@@ -15,8 +15,9 @@ R = TypeVar("R", bound=Representation)
 class Tool(abc.ABC, Generic[R]):
     """A frozen attrs class that edits one kind of representation.
 
-    You must set ``name`` and ``edits`` and override :meth:`edit`; the fields are the tool's parameters. The
-    framework hands over an up-to-date value, checks what comes back and tells the other representations.
+    You must set ``name`` and ``edits`` and override :meth:`edit`; the fields are the tool's
+    parameters. The framework hands over an up-to-date value, checks what comes back and tells the
+    other representations.
     """
 
     __slots__ = ()
