@@ -11,18 +11,22 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from multirep.splines.basis import basis_functions, find_spans
+    from multirep.splines.corners import corner_parameters
     from multirep.splines.evaluation import evaluate
     from multirep.splines.least_squares import polyline_rows, solve_window
     from multirep.splines.polar import bernstein, blossom, refine
+    from multirep.splines.sampling import sample_spline
 
 __all__ = [
     "basis_functions",
     "bernstein",
     "blossom",
+    "corner_parameters",
     "evaluate",
     "find_spans",
     "polyline_rows",
     "refine",
+    "sample_spline",
     "solve_window",
 ]
 
@@ -30,10 +34,12 @@ _HOMES = {
     "basis_functions": "basis",
     "bernstein": "polar",
     "blossom": "polar",
+    "corner_parameters": "corners",
     "evaluate": "evaluation",
     "find_spans": "basis",
     "polyline_rows": "least_squares",
     "refine": "polar",
+    "sample_spline": "sampling",
     "solve_window": "least_squares",
 }
 

@@ -5,8 +5,7 @@ import numpy as np
 from multirep.splines.arrays import Array, IntArray
 from multirep.splines.certificates import bernstein_bound, rational_bernstein_bound
 from multirep.splines.curvature import second_derivative_coefficients
-from multirep.splines.evaluation import evaluate
-from multirep.splines.pieces import Pieces, Stretch, cut_pieces, cut_stretch, rounding
+from multirep.splines.pieces import Pieces, Stretch, cut_pieces, cut_stretch, norms, rounding
 from multirep.splines.polar import bernstein
 
 __all__ = ["bernstein_deviation", "curvature_deviation", "spline_chord_deviation"]
@@ -95,10 +94,10 @@ def spline_chord_deviation(
         bounds = bernstein_deviation(stretch, pieces, low, high, 0)
     else:
         ends = np.append(pieces.starts, t[-1])
-        there = evaluate(stretch.knots, stretch.coefficients, degree, ends)
+        there = stretch.at(ends)
         there[:-1] -= low
         there[-1] -= sampled_points[-1]
-        bounds = curvature_deviation(stretch, pieces, np.sqrt(np.einsum("md,md->m", there, there)))
+        bounds = curvature_deviation(stretch, pieces, norms(there))
     limits = np.asarray(allowance, dtype=np.float64)
     if limits.ndim:
         limits = limits.take(chords)
@@ -165,7 +164,9 @@ def bernstein_deviation(
     return rational_bernstein_bound(raised[..., :-1], raised[..., -1], splits=splits)
 
 
-def curvature_deviation(stretch: Stretch, pieces: Pieces, ends: Array) -> Array:
+def curvature_deviation(
+    stretch: Stretch, pieces: Pieces, ends: Array, second: Array | None = None
+) -> Array:
     """Bound the deviation on pieces of a polynomial spline up to degree 3 from its S''.
 
     Parameters
@@ -176,6 +177,8 @@ def curvature_deviation(stretch: Stretch, pieces: Pieces, ends: Array) -> Array:
         Where.
     ends : (m + 1,) array
         The deviation where each piece starts, and where the last one stops.
+    second : array, optional
+        `second_derivative_coefficients` of the stretch, if they are at hand.
 
     Returns
     -------
@@ -193,7 +196,8 @@ def curvature_deviation(stretch: Stretch, pieces: Pieces, ends: Array) -> Array:
     degree = stretch.degree
     if degree == 1:
         return np.maximum(before, after)
-    second = second_derivative_coefficients(stretch.knots, stretch.coefficients, degree)
+    if second is None:
+        second = second_derivative_coefficients(stretch.knots, stretch.coefficients, degree)
     # Of the nonzero coefficients of S'' on a span k, k - p is the first and k - 2 the last.
     first = stretch.spans.take(pieces.cells) - degree
     half = (pieces.stops - pieces.starts) / 2
@@ -206,8 +210,8 @@ def curvature_deviation(stretch: Stretch, pieces: Pieces, ends: Array) -> Array:
         slope = second.take(first + 1, axis=0) - middle
         slope /= (stretch.breaks.take(pieces.cells + 1) - left)[:, None]
         middle += slope * (pieces.starts - left + half)[:, None]
-        odd = np.sqrt(np.einsum("md,md->m", slope, slope)) * (half * scale / 3)
-    even = np.sqrt(np.einsum("md,md->m", middle, middle)) * scale
+        odd = norms(slope) * (half * scale / 3)
+    even = norms(middle) * scale
     # The maximum over x of base + even (1 - x**2) + lean |x|, whose top may lie beyond x = 1.
     base = (before + after) / 2
     lean = np.abs(after - before) / 2 + odd

@@ -10,11 +10,15 @@ from typing import NamedTuple
 import numpy as np
 
 from multirep.splines.arrays import Array, IntArray
-from multirep.splines.basis import find_spans
 
 __all__ = ["Pieces", "Stretch", "cut_pieces", "cut_stretch"]
 
 EPS = float(np.finfo(np.float64).eps)
+
+
+def norms(rows: Array) -> Array:
+    """Return the Euclidean norm of each row of an ``(m, d)`` array."""
+    return np.asarray(np.sqrt(np.einsum("md,md->m", rows, rows)))
 
 
 class Stretch(NamedTuple):
@@ -30,6 +34,32 @@ class Stretch(NamedTuple):
     """Distinct knots around the cells, ``(c + 1,)``."""
     spans: IntArray
     """Span index of each cell in ``knots``, ``(c,)``."""
+
+    def at(self, t: Array, order: int = 0) -> Array:
+        """Evaluate at sorted parameters of the stretch, bit for bit as `evaluate` does."""
+        if order > self.degree:
+            return np.zeros((len(t), self.coefficients.shape[1]))
+        from scipy.interpolate import BSpline
+
+        spline = BSpline.construct_fast(self.knots, self.coefficients, self.degree)
+        return np.asarray(spline(t, order))
+
+    def points(self, t: Array) -> Array:
+        """Evaluate, and divide by the weight if the spline is rational."""
+        values = self.at(t)
+        return values[:, :-1] / values[:, -1:] if self.rational else values
+
+    def bending(self, t: Array) -> Array:
+        """Evaluate ``||R''||``."""
+        second = self.at(t, 2)
+        if self.rational:
+            values, first = self.at(t), self.at(t, 1)
+            w = values[:, -1:]
+            points = values[:, :-1] / w
+            velocity = (first[:, :-1] - first[:, -1:] * points) / w
+            second = second[:, :-1] - 2 * first[:, -1:] * velocity - second[:, -1:] * points
+            second /= w
+        return norms(second)
 
 
 class Pieces(NamedTuple):
@@ -49,8 +79,10 @@ def cut_stretch(
     knots: Array, coefficients: Array, degree: int, start: float, stop: float, rational: bool
 ) -> Stretch:
     """Cut out what a spline depends on between ``start < stop``."""
-    first = int(find_spans(knots, degree, start))
-    last = int(find_spans(knots, degree, stop, side="left"))
+    count = len(knots) - degree - 1
+    low, high = max(start, float(knots[degree])), min(stop, float(knots[count]))
+    first = int(knots.searchsorted(low, "right")) - 1
+    last = int(knots.searchsorted(high, "left")) - 1
     window = knots[first - degree : last + degree + 2]
     inner = knots[first : last + 2]
     spans = np.flatnonzero(inner[:-1] < inner[1:])
