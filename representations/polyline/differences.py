@@ -1,0 +1,123 @@
+"""Where two polylines may differ, found without looking into the blocks that they share."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+import numpy.typing as npt
+
+from multirep.arrays import Array
+from multirep.blocks import BlockArray
+from multirep.splices import SpliceList
+
+
+def changed_stretches(
+    t: BlockArray, points: BlockArray, other_t: BlockArray, other_points: BlockArray
+) -> SpliceList:
+    """Return the stretches on which two polylines over the same T may differ.
+
+    A segment is common when both polylines have it, end for end and bit for bit. Cost: O(rows in
+    blocks that are not shared, and number of blocks).
+
+    Examples
+    --------
+    >>> t, points = BlockArray.of(np.arange(9.0)), BlockArray.of(np.zeros((9, 2)))
+    >>> moved = points.replaced(2, 3, [[0, 1]]).replaced(6, 7, [[0, 1]])
+    >>> print(changed_stretches(t, points, t, moved))
+    [1,3] [5,7]
+    """
+    if t is other_t and points is other_points:
+        return SpliceList.EMPTY
+    stretches: list[tuple[float, float]] = []
+    for start, stop, other_start, other_stop in _unshared(t, points, other_t, other_points):
+        # one common row on either side ends the stretches
+        low, high = max(start - 1, 0), min(stop + 1, len(t))
+        other_low, other_high = max(other_start - 1, 0), min(other_stop + 1, len(other_t))
+        stretches += _between_common(
+            t.window(low, high),
+            points.window(low, high),
+            other_t.window(other_low, other_high),
+            other_points.window(other_low, other_high),
+        )
+    return SpliceList(stretches)
+
+
+def _between_common(
+    t: Array, points: Array, other_t: Array, other_points: Array
+) -> list[tuple[float, float]]:
+    """Stretches between common vertices that are not one segment in both; plain arrays.
+
+    The rows at either end bound the stretches, whether or not they are common: at an end of T
+    nothing lies beyond.
+    """
+    position = np.minimum(other_t.searchsorted(t), len(other_t) - 1)
+    same = (other_t[position] == t) & (_bits(other_points)[position] == _bits(points)).all(axis=1)
+    mine = np.flatnonzero(same)
+    theirs = position[mine]
+    marks = np.concatenate([t[:1], t[mine], t[-1:]])
+    broken = np.empty(len(mine) + 1, dtype=bool)
+    broken[1:-1] = (mine[1:] - mine[:-1] > 1) | (theirs[1:] - theirs[:-1] > 1)
+    broken[0] = not (len(mine) and mine[0] == theirs[0] == 0)
+    broken[-1] = not (len(mine) and mine[-1] == len(t) - 1 and theirs[-1] == len(other_t) - 1)
+    k = np.flatnonzero(broken)
+    return list(zip(marks[k].tolist(), marks[k + 1].tolist(), strict=True))
+
+
+def _unshared(
+    t: BlockArray, points: BlockArray, other_t: BlockArray, other_points: BlockArray
+) -> Iterator[tuple[int, int, int, int]]:
+    """Windows (start, stop, other start, other stop) between the rows that both share by identity of blocks."""
+    row, other_row = 0, 0
+    for start, stop, other_start in _both(_shared(t, other_t), _shared(points, other_points)):
+        if start > row or other_start > other_row:
+            yield row, start, other_row, other_start
+        row, other_row = stop, other_start + stop - start
+    if row < len(t) or other_row < len(other_t):
+        yield row, len(t), other_row, len(other_t)
+
+
+def _shared(a: BlockArray, b: BlockArray) -> list[tuple[int, int, int]]:
+    """Return runs of rows in blocks that both hold: (start, stop, start in b), in order."""
+    if a is b:
+        return [(0, len(a), 0)]
+    where: dict[int, int] = {}
+    row = 0
+    for block in b.blocks:
+        where[id(block)] = row
+        row += len(block)
+    runs: list[tuple[int, int, int]] = []
+    row = 0
+    for block in a.blocks:
+        stop = row + len(block)
+        other = where.get(id(block))
+        if other is not None:
+            if runs and runs[-1][1] == row and other - runs[-1][2] == row - runs[-1][0]:
+                runs[-1] = (runs[-1][0], stop, runs[-1][2])
+            elif not runs or other >= runs[-1][2] + runs[-1][1] - runs[-1][0]:
+                runs.append((row, stop, other))
+        row = stop
+    return runs
+
+
+def _both(
+    one: list[tuple[int, int, int]], two: list[tuple[int, int, int]]
+) -> list[tuple[int, int, int]]:
+    """Return runs that lie in both lists with the same shift."""
+    runs: list[tuple[int, int, int]] = []
+    i = j = 0
+    while i < len(one) and j < len(two):
+        start, stop = max(one[i][0], two[j][0]), min(one[i][1], two[j][1])
+        shift = one[i][2] - one[i][0]
+        if start < stop and shift == two[j][2] - two[j][0]:
+            runs.append((start, stop, start + shift))
+        if one[i][1] <= two[j][1]:
+            i += 1
+        else:
+            j += 1
+    return runs
+
+
+def _bits(rows: Array) -> npt.NDArray[np.int64]:
+    bits: npt.NDArray[np.int64] = np.ascontiguousarray(rows).view(np.int64)
+    return bits
