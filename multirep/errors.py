@@ -149,6 +149,14 @@ class HistoryError(MultirepError, IndexError):
     """There is nothing to undo or redo."""
 
 
+class MissingExtraError(MultirepError, ImportError):
+    """Something needs a package that an extra installs; ``package`` and ``extra`` are their names."""
+
+    def __init__(self, what: str, package: str, extra: str) -> None:
+        self.package, self.extra = package, extra
+        super().__init__(f"{what} need {package}: pip install 'multirep[{extra}]'")
+
+
 class ScriptError(MultirepError, ValueError):
     """A script is wrong.
 
@@ -167,4 +175,19 @@ class ScriptError(MultirepError, ValueError):
         self.file, self.line, self.step, self.key = file, line, step, key
         place = file if line is None else f"{file}:{line}"
         where = [part for part in (place, None if step is None else f"step {step}", key) if part]
+        super().__init__(": ".join([*where, message]))
+
+
+class StepFailedError(MultirepError, RuntimeError):
+    """A script is right but its work cannot be done; ``__cause__`` is the reason.
+
+    ``file``, ``line`` and ``step`` (counted from 0; None when it happened after the steps) say where.
+    """
+
+    def __init__(
+        self, message: str, *, file: str, line: int | None = None, step: int | None = None
+    ) -> None:
+        self.file, self.line, self.step = file, line, step
+        place = file if line is None else f"{file}:{line}"
+        where = [part for part in (place, None if step is None else f"step {step}") if part]
         super().__init__(": ".join([*where, message]))

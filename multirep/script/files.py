@@ -11,12 +11,13 @@ from typing import Any
 
 from multirep.errors import ScriptError
 
-#: Largest input file. A million vertices in JSON take some 40 MB; larger input is more likely a mistake.
+#: Largest input file. A million vertices in JSON take some 40 MB; larger input is more likely a
+#: mistake.
 LARGEST_FILE = 256 * 2**20
 
 
 def read_bytes(path: Path, *, largest: int = LARGEST_FILE) -> bytes:
-    """Read a whole file; ScriptError when there is none, it cannot be read or is larger than ``largest`` bytes."""
+    """Read a whole file; ScriptError when it cannot be read or is larger than ``largest`` bytes."""
     try:
         if path.is_dir():
             raise ScriptError("is a directory, expected a file", file=str(path))
@@ -48,7 +49,8 @@ def read_json(path: Path) -> Any:
 def write_all(directory: Path, contents: Mapping[str, str | bytes]) -> tuple[Path, ...]:
     """Write files into a directory, each through a temporary file that is renamed.
 
-    All contents are on the disk before the first is renamed, so a full disk leaves the old files as they were.
+    All contents are on the disk before the first is renamed, so a full disk leaves the old files as
+    they were.
 
     Parameters
     ----------

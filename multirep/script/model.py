@@ -18,13 +18,14 @@ LONGEST_NAME = 200
 def _name(instance: object, attribute: attrs.Attribute[str], value: str) -> None:
     if not value.strip() or len(value) > LONGEST_NAME or not value.isprintable():
         raise ValueError(
-            f"{attribute.name!r} must be 1 to {LONGEST_NAME} printable characters, got {value[:60]!r}"
+            f"{attribute.name!r} must be 1 to {LONGEST_NAME} printable characters, "
+            f"got {value[:60]!r}"
         )
 
 
 @frozen
 class PointsSource:
-    """Vertices, with their parameters if given (else chord length in [0, 1]); ``notes`` are for people."""
+    """Vertices and their parameters (None: chord length in [0, 1]); ``notes`` are for people."""
 
     points: Points
     t: tuple[float, ...] | None = None
@@ -75,6 +76,7 @@ class ToolStep:
     curve: str
     name: str
     tool: Any
+    line: int | None = None
 
 
 @frozen
@@ -86,6 +88,7 @@ class ConstrainStep:
     kind: str
     constraint: Any
     name: str | None = None
+    line: int | None = None
 
 
 @frozen
@@ -95,6 +98,7 @@ class ReleaseStep:
     index: int
     curve: str
     name: str
+    line: int | None = None
 
 
 @frozen
@@ -104,6 +108,7 @@ class HistoryStep:
     index: int
     what: str
     times: int
+    line: int | None = None
 
 
 Step = ToolStep | ConstrainStep | ReleaseStep | HistoryStep
@@ -111,11 +116,27 @@ Step = ToolStep | ConstrainStep | ReleaseStep | HistoryStep
 
 @frozen
 class Output:
-    """A picture to write: the file (relative to the output directory) and what it shows."""
+    """A picture to write.
+
+    Parameters
+    ----------
+    svg : str
+        The file, relative to the output directory.
+    show : tuple of str or None
+        Which representations; None means all.
+    curves : tuple of str or None
+        Which curves; None means all.
+    title : str or None
+        What is written above; None means the name of the script.
+    y : {"down", "up"}
+        Where the second axis points.
+    """
 
     svg: str
     show: tuple[str, ...] | None = None
     curves: tuple[str, ...] | None = None
+    title: str | None = None
+    y: str = field(default="down", validator=validators.in_(("down", "up")))
 
 
 @frozen

@@ -1,8 +1,9 @@
 """An outline of lines, Bézier curves and elliptic arcs as one exact NURBS.
 
-Every segment is raised to a cubic, arcs as exact rational pieces; the knots at the joints have multiplicity three, and each
-segment gets a share of [0, 1] that is proportional to its length. Raising the degree and cutting arcs change nothing but
-rounding, so the NURBS is the drawing, not an approximation of it.
+Every segment is raised to a cubic, arcs as exact rational pieces; the knots at the joints have
+multiplicity three, and each segment gets a share of [0, 1] that is proportional to its length.
+Raising the degree and cutting arcs change nothing but rounding, so the NURBS is the drawing, not an
+approximation of it.
 """
 
 from __future__ import annotations
@@ -13,11 +14,13 @@ from collections.abc import Sequence
 import numpy as np
 from attrs import frozen
 
-from multirep.arrays import Array
+from multirep.arrays import Array, ArrayLike
 
-#: A segment shorter than this part of the outline has no parameter interval worth the name; it is dropped.
+#: A segment shorter than this part of the outline has no parameter interval worth the name; it is
+#: dropped.
 SHORTEST_SHARE = 1e-12
-#: Chords by which a segment is measured. Shares need not be exact; more chords would only cost time.
+#: Chords by which a segment is measured. Shares need not be exact; more chords would only cost
+#: time.
 CHORDS = 64
 
 
@@ -51,20 +54,20 @@ class Outline:
 
 
 def arc(
-    start: Sequence[float],
-    end: Sequence[float],
-    center: Sequence[float],
-    first_axis: Sequence[float],
-    second_axis: Sequence[float],
+    start: ArrayLike,
+    end: ArrayLike,
+    center: ArrayLike,
+    first_axis: ArrayLike,
+    second_axis: ArrayLike,
     sweep: float,
 ) -> list[Segment]:
     """Return an elliptic arc as exact rational quadratics of at most a quarter turn each.
 
     Parameters
     ----------
-    start, end, center : sequence of float
+    start, end, center : array_like (2,)
         Points in the plane; ``start`` and ``end`` lie on the ellipse.
-    first_axis, second_axis : sequence of float
+    first_axis, second_axis : array_like (2,)
         Conjugate half-diameters: the ellipse is center + cos θ first + sin θ second.
     sweep : float
         Signed change of θ, in radians, at most a full turn.
@@ -72,7 +75,8 @@ def arc(
     Returns
     -------
     list of Segment
-        Weights 1, cos(δ/2), 1 for pieces of angle δ: the conic section through the ends with tangents along it.
+        Weights 1, cos(δ/2), 1 for pieces of angle δ: the conic section through the ends with
+        tangents along it.
 
     Examples
     --------
@@ -90,11 +94,14 @@ def arc(
     halfway = (angles[1:] + angles[:-1]) / 2
     shoulders = middle + np.stack([np.cos(halfway), np.sin(halfway)], axis=1) @ frame / weight
     weights = np.array([1.0, weight, 1.0])
-    return [Segment(np.stack(rows), weights) for rows in zip(ends[:-1], shoulders, ends[1:], strict=True)]
+    return [
+        Segment(np.stack(rows), weights)
+        for rows in zip(ends[:-1], shoulders, ends[1:], strict=True)
+    ]
 
 
 def raise_to_cubic(segment: Segment) -> Array:
-    """Return the four homogeneous control points (wx, wy, ..., w) of the same segment as a cubic."""
+    """Return the four homogeneous control points (wx, wy, ..., w) of the segment as a cubic."""
     weights = np.ones(len(segment.points)) if segment.weights is None else segment.weights
     rows = np.column_stack([segment.points * weights[:, None], weights])
     while len(rows) < 4:

@@ -1,7 +1,8 @@
 """A script file (TOML, DESIGN section 8) to a checked :class:`~multirep.script.model.Script`.
 
-Everything that can be known without running is checked here: keys, types, ranges, names of curves, tools, constraints and
-representations. So a script with a mistake in its last step stops before its first.
+Everything that can be known without running is checked here: keys, types, ranges, names of curves,
+tools, constraints and representations. So a script with a mistake in its last step stops before its
+first.
 """
 
 from __future__ import annotations
@@ -13,7 +14,7 @@ from contextlib import contextmanager
 from pathlib import Path, PurePath
 from typing import TYPE_CHECKING, Any
 
-from attrs import field, frozen, validators
+from attrs import evolve, field, frozen, validators
 
 from multirep.errors import MultirepError, ScriptError, UnknownNameError
 from multirep.script.files import read_bytes
@@ -94,7 +95,9 @@ def _decode(path: Path) -> str:
 def _check_format(table: Mapping[str, Any]) -> None:
     version = table.get("multirep")
     if version is None:
-        raise Mismatch(f"missing; a script says which format it has: multirep = {FORMAT}", "multirep")
+        raise Mismatch(
+            f"missing; a script says which format it has: multirep = {FORMAT}", "multirep"
+        )
     if structure(version, int) != FORMAT:
         newer = "; it needs a newer multirep" if version > FORMAT else ""
         raise Mismatch(f"expected format {FORMAT}, got {version}{newer}", "multirep")
@@ -105,15 +108,6 @@ class _Times:
     """How many gestures an undo or redo step covers."""
 
     times: int = field(validator=[validators.ge(1), validators.le(MOST_TIMES)])
-
-
-@frozen
-class _Output:
-    """An output table as written."""
-
-    svg: str
-    show: tuple[str, ...] | None = None
-    curves: tuple[str, ...] | None = None
 
 
 @frozen
@@ -163,7 +157,7 @@ class _Reader:
         check_keys(table, (*CURVE_KEYS, *SOURCE_KEYS), "a curve")
         plain = {key: table[key] for key in CURVE_KEYS if key in table}
         kinds = structure(plain.get("representations"), tuple[str, ...] | None)  # type: ignore[arg-type]
-        known = [kind.name for kind in self.registry.representations]
+        known = list(self.registry.representations)
         if kinds is not None:
             _check_names(kinds, "representation", known, "representations")
         source, author = read_source(table, self.path.parent)
@@ -186,16 +180,20 @@ class _Reader:
     def steps(self, tables: object, curves: tuple[CurveSpec, ...]) -> tuple[Step, ...]:
         """Read the steps, each against the tool or constraint that it names."""
         entries = _tables(tables, "step", MOST_STEPS)
+        names = [curve.name for curve in curves]
         steps = []
         for index, table in enumerate(entries):
             with self.at("step", index, total=len(entries)):
-                steps.append(self._step(index, table, [curve.name for curve in curves]))
+                line = _line(self.text, "step", index, len(entries))
+                steps.append(evolve(self._step(index, table, names), line=line))
         return tuple(steps)
 
     def _step(self, index: int, table: Mapping[str, Any], curves: list[str]) -> Step:
         kinds = [kind for kind in STEP_KINDS if kind in table]
         if len(kinds) != 1:
-            found = " and ".join(map(repr, kinds)) or f"only {', '.join(map(repr, table)) or 'nothing'}"
+            found = (
+                " and ".join(map(repr, kinds)) or f"only {', '.join(map(repr, table)) or 'nothing'}"
+            )
             raise Mismatch(f"a step has exactly one of {', '.join(STEP_KINDS)}; got {found}")
         kind = kinds[0]
         if kind in ("undo", "redo"):
@@ -215,10 +213,10 @@ class _Reader:
             return ReleaseStep(index, curve, name)
         try:
             if kind == "tool":
-                tool = self.registry.tool(name)
+                tool = self.registry.tools[name]
                 parameters = {k: v for k, v in table.items() if k not in ("curve", "tool")}
                 return ToolStep(index, curve, name, structure(parameters, tool))
-            constraint = self.registry.constraint(name)
+            constraint = self.registry.constraints[name]
             parameters = {k: v for k, v in table.items() if k not in ("curve", "constrain", "name")}
             given = _structure_key(table, "name", str) if "name" in table else None
             return ConstrainStep(index, curve, name, structure(parameters, constraint), given)
@@ -231,9 +229,9 @@ class _Reader:
         outputs: list[Output] = []
         for index, table in enumerate(entries):
             with self.at("output", index, total=len(entries)):
-                entry = structure(table, _Output)
+                entry = structure(table, Output)
                 _check_output_path(entry.svg, {output.svg for output in outputs})
-                known = [kind.name for kind in self.registry.representations]
+                known = list(self.registry.representations)
                 _check_names(entry.show or (), "representation", known, "show")
                 _check_names(entry.curves or (), "curve", [c.name for c in curves], "curves")
                 for curve in curves:
@@ -241,7 +239,7 @@ class _Reader:
                         kept = known if curve.representations is None else curve.representations
                         what = f"representation of {curve.name!r}"
                         _check_names(entry.show or (), what, list(kept), "show")
-                outputs.append(Output(entry.svg, entry.show, entry.curves))
+                outputs.append(entry)
         return tuple(outputs)
 
 
@@ -272,7 +270,13 @@ def _check_names(names: tuple[str, ...], what: str, known: list[str], key: str) 
 
 def _check_output_path(name: str, taken: set[str]) -> None:
     path = PurePath(name)
-    if path.is_absolute() or ".." in path.parts or not path.name or "\\" in name or not name.isprintable():
+    if (
+        path.is_absolute()
+        or ".." in path.parts
+        or not path.name
+        or "\\" in name
+        or not name.isprintable()
+    ):
         raise Mismatch(f"expected a path inside the output directory, got {quote(name)}", "svg")
     if path.suffix.lower() != ".svg":
         raise Mismatch(f"expected a name that ends in .svg, got {quote(name)}", "svg")
@@ -281,7 +285,7 @@ def _check_output_path(name: str, taken: set[str]) -> None:
 
 
 def _line(text: str, table: str, index: int, total: int) -> int | None:
-    """Return the line of the index-th ``[[table]]`` header; None where the text is not so simple."""
+    """Return the line of the index-th ``[[table]]`` header; None if the text is not so simple."""
     if not table:
         return None
     headers = list(re.finditer(rf"^[ \t]*\[\[[ \t]*{table}[ \t]*\]\]", text, re.MULTILINE))

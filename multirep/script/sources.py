@@ -1,4 +1,4 @@
-"""What a curve of a script starts from, as plain numbers: points, a NURBS, or a sub-path of a drawing."""
+"""What a curve of a script starts from, as plain numbers: points, a NURBS, a drawing."""
 
 from __future__ import annotations
 
@@ -77,7 +77,11 @@ def read_source(table: Mapping[str, Any], folder: Path) -> tuple[Source, str]:
         found = " and ".join(given) or "none"
         raise Mismatch(f"a curve has exactly one of {', '.join(ORIGINS)}; got {found}")
     origin = given[0]
-    allowed = {"points": ("points", "t"), "nurbs": ("nurbs",), "svg": ("svg", "element", "id", "fill")}
+    allowed = {
+        "points": ("points", "t"),
+        "nurbs": ("nurbs",),
+        "svg": ("svg", "element", "id", "fill"),
+    }
     for key in SOURCE_KEYS:
         if key in table and key not in allowed[origin]:
             raise Mismatch(f"does not go with {origin!r}", key)
@@ -153,7 +157,9 @@ def _read_svg(table: _SvgTable, folder: Path) -> NurbsSource:
         if (table.id is None or table.id in subpath.ids)
         and (table.fill is None or subpath.fill == fill)
     ]
-    chosen = [f"{key} {value!r}" for key, value in (("id", table.id), ("fill", table.fill)) if value]
+    chosen = [
+        f"{key} {value!r}" for key, value in (("id", table.id), ("fill", table.fill)) if value
+    ]
     those = f"sub-paths with {' and '.join(chosen)}" if chosen else "sub-paths"
     if not found:
         if chosen and drawing.subpaths:
@@ -173,7 +179,9 @@ def _read_svg(table: _SvgTable, folder: Path) -> NurbsSource:
     try:
         outline = join(subpath.segments)
     except ValueError as error:
-        raise Mismatch(f"sub-path {table.element} of {quote(str(path))}: {error}", "element") from None
+        raise Mismatch(
+            f"sub-path {table.element} of {quote(str(path))}: {error}", "element"
+        ) from None
     notes = [f"in the user units of {table.svg}"]
     if drawing.to_pixels:
         notes[0] += f" (to pixels: {drawing.to_pixels}, not applied)"

@@ -1,7 +1,8 @@
 """Plain data (TOML, JSON) to attrs classes, strictly: nothing is converted quietly.
 
-cattrs alone takes 2.7 for the integer 2, "3" for 3 and True for 1. The hooks here refuse all of that, refuse what is not
-finite, refuse unknown keys, and say where: every error names the key, what was found and what is allowed.
+cattrs alone takes 2.7 for the integer 2, "3" for 3 and True for 1. The hooks here refuse all of
+that, refuse what is not finite, refuse unknown keys, and say where: every error names the key, what
+was found and what is allowed.
 """
 
 from __future__ import annotations
@@ -95,7 +96,7 @@ def quote(value: object) -> str:
     return f"{kinds.get(type(value), '')}{text}"
 
 
-# -- hooks: one type each ----------------------------------------------------------------------------------------------
+# -- hooks: one type each
 
 
 def _integer(value: object, _: object = None) -> int:
@@ -128,7 +129,9 @@ def _text(value: object, _: object = None) -> str:
     if not isinstance(value, str):
         raise Mismatch(f"expected text, got {quote(value)}")
     if len(value) > LONGEST_TEXT or "\0" in value:
-        raise Mismatch(f"expected at most {LONGEST_TEXT} characters without NUL, got {quote(value)}")
+        raise Mismatch(
+            f"expected at most {LONGEST_TEXT} characters without NUL, got {quote(value)}"
+        )
     return value
 
 
@@ -141,7 +144,8 @@ def _points(value: object, _: object = None) -> Points:
             raise Mismatch(f"expected a point [x, y, ...], got {quote(row)}", f"[{i}]")
         if rows and len(row) != len(rows[0]):
             raise Mismatch(
-                f"expected {len(rows[0])} coordinates as in the first point, got {quote(row)}", f"[{i}]"
+                f"expected {len(rows[0])} coordinates as in the first point, got {quote(row)}",
+                f"[{i}]",
             )
         try:
             rows.append(tuple(map(_number, row)))
@@ -172,8 +176,12 @@ def _sequence(cls: Any) -> Callable[[object, object], object]:
     return hook
 
 
+def _origin(cls: Any) -> Any:
+    return get_origin(cls)
+
+
 def _union(cls: Any) -> Callable[[object, object], object]:
-    """Make the hook of a union: the first member that fits; if none does, the error of the one that came closest."""
+    """Make the hook of a union: the first member that fits, or the error of the closest."""
     members = [member for member in get_args(cls) if member is not type(None)]
     optional = len(members) < len(get_args(cls))
 
@@ -216,17 +224,17 @@ def _converter() -> cattrs.Converter:
     for cls, hook in ((int, _integer), (float, _number), (bool, _boolean), (str, _text)):
         converter.register_structure_hook(cls, hook)
     converter.register_structure_hook_factory(
-        lambda cls: get_origin(cls) in (tuple, list) and bool(get_args(cls)), _sequence
+        lambda cls: _origin(cls) in (tuple, list) and bool(get_args(cls)), _sequence
     )
     converter.register_structure_hook_factory(
-        lambda cls: get_origin(cls) in (Union, types.UnionType), _union
+        lambda cls: _origin(cls) in (Union, types.UnionType), _union
     )
     converter.register_structure_hook_func(lambda cls: cls is Points, _points)
     converter.register_structure_hook_factory(attrs.has, _table)
     return converter
 
 
-# -- errors ------------------------------------------------------------------------------------------------------------
+# -- errors
 
 
 def _explain(error: BaseException) -> tuple[str, str]:
@@ -266,7 +274,7 @@ def _unknown_key(error: ForbiddenExtraKeysError) -> tuple[str, str]:
 
 
 def _validator(error: BaseException) -> tuple[str, str]:
-    """Read the field out of a validator's message, as attrs words it: ``'index' must be >= 0: -1``."""
+    """Read the field out of a validator's message: ``'index' must be >= 0: -1``."""
     message = error.args[0] if error.args and isinstance(error.args[0], str) else str(error)
     match = re.match(r"^'(\w+)' (must .*?)(?:: (.*))?$", message, re.DOTALL)
     if match is None:

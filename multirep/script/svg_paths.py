@@ -1,10 +1,12 @@
 """SVG drawings in: the one module that knows svgelements.
 
-It hands out the sub-paths of a drawing in the drawing's own *user units*: the transforms of groups and of ``use`` are
-applied, the scaling of the outermost ``viewBox`` to pixels is not. Shapes (rectangles, circles, ...) count as paths.
+It hands out the sub-paths of a drawing in the drawing's own *user units*: the transforms of groups
+and of ``use`` are applied, the scaling of the outermost ``viewBox`` to pixels is not. Shapes
+(rectangles, circles, ...) count as paths.
 
-Known limits: text, images, patterns and clipping are ignored; a drawing that does not say what it means (path data that
-cannot be read to the end, numbers that are not finite) is refused, where a browser would draw what it can.
+Known limits: text, images, patterns and clipping are ignored; a drawing that does not say what it
+means (path data that cannot be read to the end, numbers that are not finite) is refused, where a
+browser would draw what it can.
 """
 
 from __future__ import annotations
@@ -35,8 +37,9 @@ HREFS = ("href", "{http://www.w3.org/1999/xlink}href")
 class Subpath:
     """A connected piece of a drawing.
 
-    ``closed`` says whether it was closed by the drawing; the closing line is then among the segments. ``ids`` are the
-    ids of the shape and of the groups around it; ``fill`` is "#rrggbb" or None.
+    ``closed`` says whether it was closed by the drawing; the closing line is then among the
+    segments. ``ids`` are the ids of the shape and of the groups around it; ``fill`` is "#rrggbb" or
+    None.
     """
 
     segments: tuple[Segment, ...]
@@ -47,7 +50,7 @@ class Subpath:
 
 @frozen(eq=False)
 class Drawing:
-    """All sub-paths in document order, and how user units would become pixels ("" when they already are)."""
+    """All sub-paths in document order; how user units become pixels ("" when they are)."""
 
     subpaths: tuple[Subpath, ...]
     to_pixels: str
@@ -59,13 +62,16 @@ def read_drawing(path: Path) -> Drawing:
     Raises
     ------
     ScriptError
-        When it is not SVG, is larger or more nested than reason allows, or holds data that cannot be read.
+        When it is not SVG, is larger or more nested than reason allows, or holds data that cannot
+        be read.
     """
     root = _parse(path, read_bytes(path, largest=LARGEST_DRAWING))
     _check_size(path, root)
     import svgelements
 
-    viewport = ET.Element(root.tag, {key: root.attrib[key] for key in VIEWPORT if key in root.attrib})
+    viewport = ET.Element(
+        root.tag, {key: root.attrib[key] for key in VIEWPORT if key in root.attrib}
+    )
     width, height = _viewport_size(viewport)
     try:
         to_pixels = str(svgelements.SVG.parse(io.BytesIO(ET.tostring(viewport))).viewbox_transform)
@@ -75,7 +81,9 @@ def read_drawing(path: Path) -> Drawing:
         root.attrib.pop(key, None)
     source = io.BytesIO(ET.tostring(root))
     try:
-        svg = svgelements.SVG.parse(source, reify=False, width=width, height=height, on_error="raise")
+        svg = svgelements.SVG.parse(
+            source, reify=False, width=width, height=height, on_error="raise"
+        )
         subpaths = tuple(piece for shape, ids in _shapes(svg) for piece in _subpaths(shape, ids))
     except Exception as error:  # likewise for anything else that it does not understand
         raise ScriptError(_culprit(root) or f"cannot be read: {error!r}", file=str(path)) from None
@@ -106,15 +114,15 @@ def _hex(color: Any) -> str | None:
     return f"#{color.red:02x}{color.green:02x}{color.blue:02x}"
 
 
-# -- the document ------------------------------------------------------------------------------------------------------
+# -- the document
 
 
 def _parse(path: Path, data: bytes) -> ET.Element:
     if b"<!ENTITY" in data:
         raise ScriptError("declares entities, which are not expanded here", file=str(path))
-    parser = ET.XMLPullParser(events=("start", "end"))
+    parser: Any = ET.XMLPullParser(events=("start", "end"))
     depth = count = 0
-    root = None
+    root: ET.Element | None = None
     try:
         for start in range(0, len(data), 2**16):
             parser.feed(data[start : start + 2**16])
@@ -186,7 +194,7 @@ def _culprit(root: ET.Element) -> str | None:
     return None
 
 
-# -- shapes ------------------------------------------------------------------------------------------------------------
+# -- shapes
 
 
 def _shapes(node: Any, ids: tuple[str, ...] = ()) -> Iterator[tuple[Any, tuple[str, ...]]]:
@@ -224,7 +232,7 @@ def _subpaths(shape: Any, ids: tuple[str, ...]) -> Iterator[Subpath]:
 
 
 def _segments(segment: Any, linear: Array, offset: Array) -> list[Segment]:
-    """Return a segment of svgelements as Bézier segments in user units (control points transform with the curve)."""
+    """Return a segment of svgelements as Bézier segments in user units."""
     import svgelements
 
     if isinstance(segment, svgelements.Move):
@@ -237,7 +245,7 @@ def _segments(segment: Any, linear: Array, offset: Array) -> list[Segment]:
         if abs(np.linalg.det(axes)) > 0 and segment.sweep:
             pieces = arc(segment.start, segment.end, center, axes[0], axes[1], float(segment.sweep))
             return [Segment(p.points @ linear + offset, p.weights) for p in pieces]
-    names = ("start", "control1", "control", "control2", "end")
+    names: tuple[str, ...] = ("start", "control1", "control", "control2", "end")
     if isinstance(segment, svgelements.Arc):
         names = ("start", "end")
     points = [getattr(segment, name, None) for name in names]
