@@ -13,6 +13,20 @@ from difflib import get_close_matches
 class MultirepError(Exception):
     """Base of all errors raised by multirep."""
 
+    def __reduce__(self) -> tuple[object, ...]:
+        # The default calls the class with `args`, which are the message alone: workers could not
+        # send errors home.
+        return _restored, (type(self), self.args, self.__dict__)
+
+
+def _restored(
+    kind: type[MultirepError], args: tuple[object, ...], state: dict[str, object]
+) -> MultirepError:
+    error = kind.__new__(kind)
+    error.args = args
+    error.__dict__.update(state)
+    return error
+
 
 class InvalidCurveError(MultirepError, ValueError):
     """The data do not describe a curve (NaN, wrong shape, disordered parameters, ...)."""
@@ -181,7 +195,8 @@ class ScriptError(MultirepError, ValueError):
 class StepFailedError(MultirepError, RuntimeError):
     """A script is right but its work cannot be done; ``__cause__`` is the reason.
 
-    ``file``, ``line`` and ``step`` (counted from 0; None when it happened after the steps) say where.
+    ``file``, ``line`` and ``step`` (counted from 0; None when it happened after the steps) say
+    where.
     """
 
     def __init__(

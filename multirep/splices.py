@@ -83,8 +83,8 @@ class SpliceList:
             if not head.startswith("[") or not closed or len(ends) != 2:
                 raise IntervalError(f"expected '[a,b]' at {rest!r} in splice list {text!r}")
             try:
-                splices.append(tuple(float(Fraction(end.strip())) for end in ends))
-            except (ValueError, ZeroDivisionError):
+                splices.append(tuple(map(_read_number, ends)))
+            except (ValueError, OverflowError, ZeroDivisionError):
                 raise IntervalError(f"not a number in '{head}]' of splice list {text!r}") from None
             rest = tail.lstrip()
         return cls(splices)
@@ -207,6 +207,13 @@ class SpliceList:
 
 
 SpliceList.EMPTY = SpliceList()
+
+
+def _read_number(text: str) -> float:
+    # A Fraction of "1e999999999" would be a number of a billion digits: only plain fractions take
+    # that way.
+    numerator, slash, denominator = text.partition("/")
+    return float(Fraction(int(numerator), int(denominator))) if slash else float(text)
 
 
 def _number(value: float) -> str:
