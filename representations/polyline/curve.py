@@ -137,7 +137,7 @@ class Polyline(Representation):
         return values.reshape(*at.shape, self.dimension)
 
     def derivative(self, t: ArrayLike, order: int = 1, side: str = "right") -> Array:
-        """Return the derivative by t, from the ``"right"`` or the ``"left"`` (at the ends of T from inside).
+        """Return the derivative by t from one side (at the ends of T from inside).
 
         Examples
         --------
@@ -187,9 +187,13 @@ class Polyline(Representation):
                 f"samples with {sampled.dimension} coordinates for a curve with {self.dimension}"
             )
         first, last = self.t.searchsorted(a), self.t.searchsorted(b)
-        start, stop = self(a) if first else None, self(b) if last < len(self.t) - 1 else None
-        new = follow(sampled, tolerance, start, stop)
         on_first, on_last = float(self.t[first]) == a, float(self.t[last]) == b
+        start = stop = None
+        if first:
+            start = self.points[first] if on_first else self(a)
+        if last < len(self.t) - 1:
+            stop = self.points[last] if on_last else self(b)
+        new = follow(sampled, tolerance, start, stop)
         reported = (
             a if on_first else float(self.t[first - 1]),
             b if on_last else float(self.t[last]),

@@ -5,11 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import numpy as np
-import numpy.typing as npt
 
 from multirep.arrays import Array
-from multirep.blocks import BlockArray
+from multirep.blocks import BLOCK_ROWS, BlockArray
 from multirep.splices import SpliceList
+
+#: Rows between the first and the last difference that are simply compared, shared blocks or not.
+NARROW = BLOCK_ROWS
 
 
 def changed_stretches(
@@ -52,7 +54,7 @@ def _between_common(
     nothing lies beyond.
     """
     position = np.minimum(other_t.searchsorted(t), len(other_t) - 1)
-    same = (other_t[position] == t) & (_bits(other_points)[position] == _bits(points)).all(axis=1)
+    same = (other_t[position] == t) & (other_points[position] == points).all(axis=1)
     mine = np.flatnonzero(same)
     theirs = position[mine]
     marks = np.concatenate([t[:1], t[mine], t[-1:]])
@@ -67,18 +69,31 @@ def _between_common(
 def _unshared(
     t: BlockArray, points: BlockArray, other_t: BlockArray, other_points: BlockArray
 ) -> Iterator[tuple[int, int, int, int]]:
-    """Windows (start, stop, other start, other stop) between the rows that both share by identity of blocks."""
-    row, other_row = 0, 0
-    for start, stop, other_start in _both(_shared(t, other_t), _shared(points, other_points)):
-        if start > row or other_start > other_row:
-            yield row, start, other_row, other_start
-        row, other_row = stop, other_start + stop - start
-    if row < len(t) or other_row < len(other_t):
-        yield row, len(t), other_row, len(other_t)
+    """Windows (start, stop, other start, other stop) that hold all rows which are not common."""
+    low, tail = len(t), min(len(t), len(other_t))
+    for mine, theirs in ((t, other_t), (points, other_points)):
+        first, high, other_high = mine.difference(theirs)
+        if not first == high == other_high:
+            low, tail = min(low, first), min(tail, len(t) - high)
+    tail = min(tail, len(t) - low, len(other_t) - low)
+    high, other_high = len(t) - tail, len(other_t) - tail
+    if max(high, other_high) - low <= NARROW:
+        if max(high, other_high) > low:
+            yield low, high, low, other_high
+        return
+    row, other_row = low, low
+    for start, stop, shift in _both(_shared(t, other_t), _shared(points, other_points)):
+        first, last = max(start, row), min(stop, high, other_high - shift)
+        if first < last:
+            if first > row or first + shift > other_row:
+                yield row, first, other_row, first + shift
+            row, other_row = last, last + shift
+    if row < high or other_row < other_high:
+        yield row, high, other_row, other_high
 
 
 def _shared(a: BlockArray, b: BlockArray) -> list[tuple[int, int, int]]:
-    """Return runs of rows in blocks that both hold: (start, stop, start in b), in order."""
+    """Return runs of rows in blocks that both hold: (start, stop, shift to b), in order."""
     if a is b:
         return [(0, len(a), 0)]
     where: dict[int, int] = {}
@@ -92,10 +107,10 @@ def _shared(a: BlockArray, b: BlockArray) -> list[tuple[int, int, int]]:
         stop = row + len(block)
         other = where.get(id(block))
         if other is not None:
-            if runs and runs[-1][1] == row and other - runs[-1][2] == row - runs[-1][0]:
-                runs[-1] = (runs[-1][0], stop, runs[-1][2])
-            elif not runs or other >= runs[-1][2] + runs[-1][1] - runs[-1][0]:
-                runs.append((row, stop, other))
+            if runs and runs[-1][1:] == (row, other - row):
+                runs[-1] = (runs[-1][0], stop, other - row)
+            else:
+                runs.append((row, stop, other - row))
         row = stop
     return runs
 
@@ -108,16 +123,10 @@ def _both(
     i = j = 0
     while i < len(one) and j < len(two):
         start, stop = max(one[i][0], two[j][0]), min(one[i][1], two[j][1])
-        shift = one[i][2] - one[i][0]
-        if start < stop and shift == two[j][2] - two[j][0]:
-            runs.append((start, stop, start + shift))
+        if start < stop and one[i][2] == two[j][2]:
+            runs.append((start, stop, one[i][2]))
         if one[i][1] <= two[j][1]:
             i += 1
         else:
             j += 1
     return runs
-
-
-def _bits(rows: Array) -> npt.NDArray[np.int64]:
-    bits: npt.NDArray[np.int64] = np.ascontiguousarray(rows).view(np.int64)
-    return bits
