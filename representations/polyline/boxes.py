@@ -19,7 +19,7 @@ LEAF = 64
 
 @attrs.frozen(eq=False)
 class Leaves:
-    """Boxes of the runs of :data:`LEAF` segments of one block, (k, d) each, links between leaves included."""
+    """Boxes of the runs of :data:`LEAF` segments of a block, (k, d) each, links between included."""
 
     lows: Array
     highs: Array
@@ -116,7 +116,7 @@ class BlockBoxes:
         return lows, highs
 
     def leaf_boxes(self, block: int) -> tuple[Array, Array]:
-        """Lows and highs, (k, d), of a block's leaves; the last holds the segment to the next block."""
+        """Lows and highs, (k, d), of a block's leaves, the link to the next block included."""
         leaves = self.leaves[block]
         if block + 1 == len(self.blocks):
             return leaves.lows, leaves.highs
