@@ -87,7 +87,7 @@ def quote(value: object) -> str:
     Examples
     --------
     >>> quote([1, 2]), quote("x" * 99)[-5:]
-    ('a list [1, 2]', "xx...")
+    ('a list [1, 2]', 'xx...')
     """
     kinds = {bool: "", str: "text ", list: "a list ", dict: "a table ", tuple: "a list "}
     text = repr(value)
@@ -170,7 +170,7 @@ def _sequence(cls: Any) -> Callable[[object, object], object]:
                 items.append(_converter().structure(item, members[0] if each else members[i]))
             except Exception as error:
                 key, problem = _explain(error)
-                raise Mismatch(problem, f"[{i}]{key}") from None
+                raise Mismatch(problem, _join(f"[{i}]", key)) from None
         return items if get_origin(cls) is list else tuple(items)
 
     return hook
@@ -255,7 +255,7 @@ def _explain(error: BaseException) -> tuple[str, str]:
     if isinstance(error, IterableValidationError):
         inner, at = error.group_exceptions()[0][0]
         key, problem = _explain(inner)
-        return f"[{at.index}]{key}", problem
+        return _join(f"[{at.index}]", key), problem
     return _validator(error)
 
 

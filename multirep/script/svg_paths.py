@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import io
 import math
+import re
 import xml.etree.ElementTree as ET
 from collections.abc import Iterator
 from pathlib import Path
@@ -100,12 +101,19 @@ def parse_color(text: str) -> str | None:
     """
     import svgelements
 
-    if text.strip().lower() == "none":
+    plain = text.strip().lower()
+    if plain == "none":
         return None
     try:
-        return _hex(svgelements.Color(text.strip()))
-    except Exception:
-        raise ValueError(f"no colour {text!r}; write it as in '#ffcc4e' or 'red'") from None
+        colour = _hex(svgelements.Color(plain))
+    except Exception:  # svgelements raises whatever a bad number makes it raise
+        colour = None
+    # What svgelements does not know it takes for black.
+    written = re.fullmatch(r"#[0-9a-f]{3,4}|#[0-9a-f]{6}|#[0-9a-f]{8}|(rgb|hsl)a?\(.*\)", plain)
+    named = plain.isalpha() and (plain == "black" or colour != "#000000")
+    if colour is None or not (written or named):
+        raise ValueError(f"no colour {text!r}; write it as in '#ffcc4e' or 'red'")
+    return colour
 
 
 def _hex(color: Any) -> str | None:
@@ -202,7 +210,7 @@ def _shapes(node: Any, ids: tuple[str, ...] = ()) -> Iterator[tuple[Any, tuple[s
 
     own = getattr(node, "id", None)
     ids = ids if own is None else (*ids, own)
-    if isinstance(node, svgelements.Group):
+    if isinstance(node, svgelements.Group | svgelements.Use):
         for child in node:
             yield from _shapes(child, ids)
     elif isinstance(node, svgelements.Shape):

@@ -1,0 +1,53 @@
+# make demo    one curve edited in three representations: installs, runs, says where the picture is
+# make test    everything that is checked: lint, types, tests; .ci/run calls it
+# make picture the picture of the README, from examples/cat.toml
+# make types   pyright beside mypy (fetches Node.js once)
+# make clean   removes the virtual environment and what was built
+#
+# Needs Python >= 3.11 with venv and network access to a package index. Another Python: make PYTHON=python3.13 test
+
+PYTHON ?= python3
+VENV := .venv
+BIN := $(VENV)/bin
+
+.PHONY: demo test lint types picture clean
+
+demo: $(VENV)/demo.stamp
+	$(BIN)/multirep run examples/cat.toml --out cat-out
+	@echo
+	@echo "The picture is $(CURDIR)/cat-out/cat.svg - open it in a browser."
+
+test: lint
+	$(BIN)/python -m pytest -q --slow
+
+lint: $(VENV)/test.stamp
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+
+types: $(VENV)/test.stamp
+	$(BIN)/pip install -q pyright
+	$(BIN)/pyright
+
+picture: $(VENV)/demo.stamp
+	$(BIN)/multirep render examples/cat.toml -o docs/cat.svg
+
+$(VENV)/demo.stamp: pyproject.toml setup.py | $(VENV)/pip.stamp
+	$(BIN)/python -m pip install -q -e .
+	@touch $@
+
+$(VENV)/test.stamp: pyproject.toml setup.py | $(VENV)/pip.stamp
+	$(BIN)/python -m pip install -q -e . --group test --group lint --group types
+	@touch $@ $(VENV)/demo.stamp
+
+# pip older than 25.1 does not know --group.
+$(VENV)/pip.stamp:
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || \
+		{ echo "multirep needs Python >= 3.11; $(PYTHON) is older. Try: make PYTHON=python3.13 $(MAKECMDGOALS)"; exit 1; }
+	@$(PYTHON) -m venv $(VENV) || \
+		{ echo "$(PYTHON) cannot make a virtual environment; on Debian: apt-get install python3-venv"; exit 1; }
+	$(BIN)/python -m pip install -q --upgrade 'pip>=25.1'
+	@touch $@
+
+clean:
+	rm -rf $(VENV) build dist *.egg-info cat-out
