@@ -1,7 +1,7 @@
 """Certified bounds, for whoever has to prove how far a curve is from a polyline.
 
-Everything here bounds a distance at equal parameter, ``||S(t) - L(t)||`` for every t in an interval,
-from finitely many numbers and never from looking at more points:
+Everything here bounds a distance at equal parameter, ``||S(t) - L(t)||`` for every t in an
+interval, from finitely many numbers and never from looking at more points:
 
 * a piecewise polynomial or rational in B-spline form: `spline_chord_deviation`, one call;
 * any polynomial or rational: write the difference in Bernstein form and take `bernstein_bound` or
@@ -107,7 +107,9 @@ def chord_deviation(
     ends = np.linalg.norm(curve_points - points, axis=1)
     largest = max(float(np.abs(points).max()), float(np.abs(curve_points).max()))
     slack = 8 * _EPS * np.sqrt(points.shape[1]) * largest
-    return np.asarray(np.maximum(ends[:-1], ends[1:]) + sagitta(np.diff(t), second_derivative) + slack)
+    return np.asarray(
+        np.maximum(ends[:-1], ends[1:]) + sagitta(np.diff(t), second_derivative) + slack
+    )
 
 
 def sample_curve(
@@ -152,8 +154,8 @@ def sample_curve(
     Notes
     -----
     Repeatedly cuts every chord that is above the tolerance into equal parts, as many as its own
-    bound asks for. Where the bound is constant the count is optimal but for rounding up; where it varies within
-    the first chords, up to half as many again.
+    bound asks for. Where the bound is constant the count is optimal but for rounding up; where it
+    varies within the first chords, up to half as many again.
 
     Examples
     --------

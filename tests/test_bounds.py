@@ -27,9 +27,7 @@ def polynomials(weights: bool = False) -> st.SearchStrategy[list[float]]:
 
 
 @given(st.lists(polynomials(), min_size=2, max_size=2), st.integers(0, 3))
-def test_no_polynomial_exceeds_its_bernstein_bound(
-    columns: list[list[float]], splits: int
-) -> None:
+def test_no_polynomial_exceeds_its_bernstein_bound(columns: list[list[float]], splits: int) -> None:
     """Evaluated exactly; more splits never make the bound worse."""
     coefficients = np.array([columns]).transpose(0, 2, 1)
     bound = bernstein_bound(coefficients, splits=splits)[0]

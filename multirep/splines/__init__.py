@@ -1,9 +1,10 @@
 """Mathematics of B-splines on plain numpy arrays.
 
 Knows no representation and nothing of the kernel. A spline here is three things: its knots
-``(n + p + 1,)``, its coefficients ``(n, D)`` (control points, or homogeneous ones with the weight in
-the last column) and its degree p. Read in this order: `find_spans` and `basis_functions`,
-`evaluate`, `blossom` with `refine` and `bernstein`, `sample_spline`, `solve_window`.
+``(n + p + 1,)``, its coefficients ``(n, D)`` (control points, or homogeneous ones with the weight
+in the last column) and its degree p. Read in this order: `find_spans` and `basis_functions`,
+`evaluate`, `blossom` with `refine` and `bernstein`, `sample_spline` with `corner_parameters`,
+`polyline_rows` with `solve_window`; bounds are public in `multirep.bounds`.
 """
 
 from importlib import import_module

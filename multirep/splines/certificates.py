@@ -114,9 +114,7 @@ def rational_bernstein_bound(numerators: Array, weights: Array, *, splits: int =
     >>> float(bound[0])
     0.5
     """
-    rows = np.concatenate(
-        [numerators.transpose(1, 0, 2), weights.T[:, :, None]], axis=2
-    )
+    rows = np.concatenate([numerators.transpose(1, 0, 2), weights.T[:, :, None]], axis=2)
     rows = _halved(rows, splits)
     squares = _squared_norms(rows[..., :-1]) / rows[..., -1] ** 2
     return np.asarray(np.sqrt(squares.max(axis=0)))

@@ -42,8 +42,8 @@ def corner_parameters(
     -----
     At a knot of multiplicity p the curve passes through a control point P with neighbours A and B,
     and the derivatives are p (P - A) / h and p (B - P) / k with h, k the spans' lengths. What
-    rounding explains is 16 units in the last place of the largest of the three coordinates, over
-    the shorter of h and k: where a smooth curve was given a knot p times, no corner is reported.
+    rounding explains is 16 units in the last place of the largest of the three coordinates (times
+    the ratio of the weights), over the shorter of h and k: where a smooth curve was given a knot p times, no corner is reported.
 
     Examples
     --------
@@ -79,4 +79,6 @@ def corner_parameters(
         right = (points[3] - points[2]) / ahead[:, None]
     jump = np.abs(right - left).max(axis=1)
     noise = 16 * np.finfo(np.float64).eps * np.abs(points).max(axis=(0, 2))
-    return full[jump * np.minimum(ahead, behind) > noise]
+    if rational:
+        noise *= np.maximum(weights[[0, 3]] / weights[[1, 2]], 1.0).max(axis=(0, 2))
+    return np.asarray(full[jump * np.minimum(ahead, behind) > noise])

@@ -80,8 +80,6 @@ def second_derivative_bound(
     second = second_derivative_coefficients(knots, coefficients, degree)
     filled = np.flatnonzero(knots[degree:count] < knots[degree + 1 : count + 1])
     spans = filled + degree
-    pieces = bernstein(
-        knots[2:-2], second, degree - 2, spans - 2, knots[spans], knots[spans + 1]
-    )
+    pieces = bernstein(knots[2:-2], second, degree - 2, spans - 2, knots[spans], knots[spans + 1])
     bounds[filled] = bernstein_bound(pieces, splits=splits if degree > 3 else 0)
     return bounds

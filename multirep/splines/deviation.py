@@ -78,7 +78,7 @@ def spline_chord_deviation(
     steps = sampled_points[1:] - sampled_points[:-1]
     lengths = t[1:] - t[:-1]
     slack = rounding(stretch, sampled_points)
-    if not isinstance(slack, float):
+    if isinstance(slack, np.ndarray):
         slack = slack.take(pieces.cells)
 
     chords = pieces.chords
@@ -105,7 +105,7 @@ def spline_chord_deviation(
     above = np.flatnonzero(bounds > limits)
     if len(above):
         sharper = bernstein_deviation(stretch, pieces, low, high, splits, above)
-        sharper += slack if isinstance(slack, float) else slack.take(above)
+        sharper += slack.take(above) if isinstance(slack, np.ndarray) else slack
         bounds[above] = np.minimum(bounds[above], sharper)
     return np.asarray(np.maximum.reduceat(bounds, pieces.firsts))
 

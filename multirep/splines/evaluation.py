@@ -71,7 +71,7 @@ def evaluate(
     places = None if ordered else t.argsort(kind="stable")
     if places is not None:
         t = t[places]
-    first, last = find_spans(knots, degree, t[[0, -1]]).tolist()
+    first, last = _span(knots, degree, t[0]), _span(knots, degree, t[-1])
     spline = BSpline.construct_fast(
         knots[first - degree : last + degree + 2],
         coefficients[first - degree : last + 1],
@@ -83,6 +83,14 @@ def evaluate(
     result = np.empty_like(values)
     result[places] = values
     return result
+
+
+def _span(knots: Array, degree: int, t: np.float64) -> int:
+    """Find the span of one parameter; `find_spans` without its array overhead."""
+    k = int(knots.searchsorted(t, "right")) - 1
+    if degree <= k < len(knots) - degree - 1:
+        return k
+    return int(find_spans(knots, degree, t))
 
 
 def _evaluate_left(knots: Array, coefficients: Array, degree: int, t: Array, order: int) -> Array:

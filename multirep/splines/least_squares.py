@@ -1,7 +1,7 @@
 """Banded least squares: the free control points that bring a spline nearest to a polyline.
 
-`polyline_rows` chooses where a polyline is looked at, `solve_window` solves. Together they minimise,
-up to quadrature, the integral of ``||S(t) - L(t)||**2``, with any control points held fixed.
+`polyline_rows` chooses where a polyline is looked at, `solve_window` solves. Together they
+minimise, up to quadrature, the integral of ``||S(t) - L(t)||**2``, with any control points held.
 """
 
 from functools import cache

@@ -88,9 +88,7 @@ def cut_stretch(
     spans = np.flatnonzero(inner[:-1] < inner[1:])
     breaks = np.append(inner[spans], inner[-1])
     spans += degree
-    return Stretch(
-        window, coefficients[first - degree : last + 1], degree, rational, breaks, spans
-    )
+    return Stretch(window, coefficients[first - degree : last + 1], degree, rational, breaks, spans)
 
 
 def cut_pieces(breaks: Array, starts: Array, stops: Array) -> Pieces:

@@ -7,6 +7,8 @@ that follows is repeated affine interpolation between neighbours, vectorised ove
 span that is given every weight lies in [0, 1], so nothing is amplified.
 """
 
+from functools import cache
+
 import numpy as np
 
 from multirep.splines.arrays import Array, IntArray
@@ -14,18 +16,28 @@ from multirep.splines.arrays import Array, IntArray
 __all__ = ["bernstein", "blossom", "refine"]
 
 
-def _mix(low: Array, high: Array, argument: Array, points: Array) -> Array:
-    """Interpolate neighbouring rows of ``points``, known at low and high, at the argument."""
-    share = (argument - low) / (high - low)
-    # Both products instead of one difference: exact at share 0 and 1.
-    mixed = points[:-1] * (1.0 - share)[..., None]
-    mixed += points[1:] * share[..., None]
+@cache
+def _ladder(degree: int) -> tuple[IntArray, IntArray, IntArray]:
+    """List the local knots between which each interpolation of de Boor's algorithm takes place.
+
+    Step r has ``p - r`` of them, one below the other; the third array holds the step of each.
+    """
+    steps = np.repeat(np.arange(degree), np.arange(degree, 0, -1))
+    low = np.array([row for step in range(degree) for row in range(step, degree)], dtype=np.intp)
+    ladder = (low, low + degree - steps, steps)
+    for column in ladder:
+        column.setflags(write=False)
+    return ladder
+
+
+def _mixed(points: Array, share: Array, rest: Array) -> Array:
+    """Interpolate neighbouring rows. Both products, to be exact at share 0 and 1."""
+    mixed = points[:-1] * rest
+    mixed += points[1:] * share
     return mixed
 
 
-def _local(
-    knots: Array, coefficients: Array, degree: int, spans: IntArray
-) -> tuple[Array, Array]:
+def _local(knots: Array, coefficients: Array, degree: int, spans: IntArray) -> tuple[Array, Array]:
     """Cut out knots k-p+1 .. k+p, shape (2p, m), and coefficients k-p .. k, shape (p+1, m, D)."""
     index = np.arange(-degree, degree + 1)[:, None] + spans
     return knots.take(index[1:]), coefficients.take(index[: degree + 1], axis=0)
@@ -74,10 +86,17 @@ def blossom(
     array([[0.125]])
     """
     local, points = _local(knots, coefficients, degree, spans)
+    low, high, steps = _ladder(degree)
+    below = local.take(low, axis=0)
+    shares = (arguments.T.take(steps, axis=0) - below) / (local.take(high, axis=0) - below)
+    shares = shares[..., None]
+    rest = 1.0 - shares
+    row = 0
     for step in range(degree):
-        low, high = local[step:degree], local[degree : 2 * degree - step]
-        points = _mix(low, high, arguments[:, step], points)
-    return points[0]
+        stop = row + degree - step
+        points = _mixed(points, shares[row:stop], rest[row:stop])
+        row = stop
+    return np.asarray(points[0])
 
 
 def bernstein(
@@ -123,18 +142,23 @@ def bernstein(
     array([0.  , 0.  , 0.25])
     """
     local, points = _local(knots, coefficients, degree, spans)
+    low, high, _ = _ladder(degree)
+    below = local.take(low, axis=0)
+    shares = ((starts - below) / (local.take(high, axis=0) - below))[..., None]
+    rest = 1.0 - shares
     # (start x (p - r), knots k+1 .. k+r) in row r: the last entry of each step.
     rows = np.empty_like(points)
     rows[degree] = points[degree]
+    row = 0
     for step in range(degree):
-        low, high = local[step:degree], local[degree : 2 * degree - step]
-        points = _mix(low, high, starts, points)
+        stop = row + degree - step
+        points = _mixed(points, shares[row:stop], rest[row:stop])
         rows[degree - step - 1] = points[-1]
-    above = local[degree:]
-    shares = (stops - starts) / (above - starts)
+        row = stop
+    shares = ((stops - starts) / (local[degree:] - starts))[..., None]
+    rest = 1.0 - shares
     for step in range(degree):
-        share = shares[: degree - step, :, None]
-        rows[step + 1 :] = rows[step:-1] * (1.0 - share) + rows[step + 1 :] * share
+        rows[step + 1 :] = _mixed(rows[step:], shares[: degree - step], rest[: degree - step])
     return rows.transpose(1, 0, 2)
 
 
@@ -188,7 +212,5 @@ def refine(knots: Array, coefficients: Array, degree: int, new_knots: Array) -> 
     refined = coefficients.take(same, axis=0, mode="clip")
     changed = np.flatnonzero(~unchanged)
     if len(changed):
-        refined[changed] = blossom(
-            knots, coefficients, degree, spans[changed], arguments[changed]
-        )
+        refined[changed] = blossom(knots, coefficients, degree, spans[changed], arguments[changed])
     return refined

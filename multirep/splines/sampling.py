@@ -1,9 +1,9 @@
 """Sample a spline by few chords, each with a proved deviation.
 
 A chord of length h on which the curve bends by S'' leaves it by about ``h**2 / 8 ||S''||``, so the
-fewest chords within a tolerance number about the integral of ``sqrt(||S''|| / (8 tolerance))``. That
-integrand is the *density* here: it is measured, chords are laid out with equal shares of it, and
-what each chord really leaves is then proved (`multirep.splines.deviation`), never assumed.
+fewest chords within a tolerance number about the integral of ``sqrt(||S''|| / (8 tolerance))``.
+That integrand is the *density* here: it is measured, chords are laid out with equal shares of it,
+and what each chord really leaves is then proved (`multirep.splines.deviation`), never assumed.
 """
 
 import numpy as np
@@ -15,20 +15,24 @@ from multirep.splines.pieces import Stretch, cut_pieces, cut_stretch, norms, rou
 
 __all__ = ["sample_spline"]
 
-# Cells per span on which the density is taken as constant at first. Fewer leave more chords above
-# the tolerance; more cost time, which small edits feel.
-_CELLS = 4
-# A cell that would hold more chords than this is divided, up to _MOST_CELLS parts; the density
-# changes by the inverse of the cells per span from one to the next.
-_CHORDS_PER_CELL = 1.0
-_MOST_CELLS = 16
+# Cells per chord on which the density is taken as constant, and the fewest and the most on a span.
+# Fewer cells leave more chords above the tolerance; more cost time, which small edits feel.
+_CELLS_PER_CHORD = 4
+_FEWEST_CELLS, _MOST_CELLS = 2, 64
+# Rational splines and high degrees have no cheap bound of the density: it is looked at here first.
+_LOOKS = 3
 # Chords are laid out for this share of the tolerance: where the density varies within a chord it
 # leaves slightly more than its share. Each per cent costs half a per cent of chords.
 _MARGIN = 0.95
+# A stretch of few chords gets this much of a chord more, lest one failing chord costs a round.
+_SPARE = 0.25
+_SPARE_FROM = 5.0
 # Chords per block in which samples are moved, round by round, when a chord of it failed. Longer
 # blocks waste less by rounding up their counts, but where the curve is rough at the scale of the
 # chords, moving many samples far only makes other chords fail. 1: cut the chord.
 _BLOCKS = (6, 6) + (1,) * 60
+# If no more than this share of the chords failed (and one), they are cut at once.
+_FEW = 0.02
 # A chord is cut into this many parts at most in one round.
 _MOST_PARTS = 16
 _SPLITS = 2
@@ -111,16 +115,19 @@ def sample_spline(
     second = None
     if not rational and degree in (2, 3):
         second = second_derivative_coefficients(stretch.knots, stretch.coefficients, degree)
-    nodes, shares = _density(stretch, start, stop, room * _MARGIN)
-    t = np.append(_lay_out(nodes, shares, fixed[:-1], fixed[1:])[0], stop)
+    nodes, shares = _density(stretch, second, start, stop, room * _MARGIN)
+    t = np.append(_lay_out(nodes, shares, fixed[:-1], fixed[1:], spare=_SPARE)[0], stop)
     if not bool((t[1:] > t[:-1]).all()):
         t = np.unique(t)
     points = stretch.points(t)
     bounds = _certify(stretch, second, t[:-1], t[1:], points[:-1], points[1:], slack, tolerance)
     for turn, size in enumerate(_BLOCKS):
         failing = bounds > tolerance
-        if not bool(failing.any()):
+        count = int(np.count_nonzero(failing))
+        if not count:
             return t, points, bounds
+        if count <= _FEW * len(bounds) + 1:
+            size = 1
         # What proved to be needed corrects the density, and blocks with a failing chord are laid
         # out anew between their ends; every other round with ends elsewhere.
         needs = np.sqrt(np.maximum(bounds - worst, 0.0) / room)
@@ -130,7 +137,9 @@ def sample_spline(
         begins = firsts[redo]
         ends = np.append(firsts[1:], len(bounds))[redo]
         starts, counts = _lay_out(nodes, shares, t[begins], t[ends], least=2 if size == 1 else 1)
-        stops, low, high = _neighbours(stretch, starts, counts, points[begins], t[ends], points[ends])
+        stops, low, high = _neighbours(
+            stretch, starts, counts, points[begins], t[ends], points[ends]
+        )
         if not bool((stops > starts).all()):
             break
         proved = _certify(stretch, second, starts, stops, low, high, slack, tolerance)
@@ -164,24 +173,34 @@ def _fixed_parameters(stretch: Stretch, start: float, stop: float) -> Array:
     return np.unique(np.concatenate(([start], full, [stop])))
 
 
-def _density(stretch: Stretch, start: float, stop: float, target: float) -> tuple[Array, Array]:
+def _density(
+    stretch: Stretch, second: Array | None, start: float, stop: float, target: float
+) -> tuple[Array, Array]:
     """Measure how many chords each cell of a fine grid needs; return the grid and the numbers."""
     low, high = stretch.breaks[:-1].copy(), stretch.breaks[1:].copy()
     low[0], high[-1] = start, stop
-    width = (high - low) / _CELLS
-    nodes = (low[:, None] + width[:, None] * np.arange(_CELLS)).ravel()
-    width = width.repeat(_CELLS)
-    shares = width * np.sqrt(stretch.bending(nodes + width / 2) / (8 * target))
-    if float(shares.max()) > _CHORDS_PER_CELL:
-        parts = np.minimum(np.ceil(shares / _CHORDS_PER_CELL), _MOST_CELLS).astype(np.intp)
-        parts = np.maximum(parts, 1)
-        ends = parts.cumsum()
-        width = (width / parts).repeat(parts)
-        nodes = nodes.repeat(parts) + (np.arange(ends[-1]) - (ends - parts).repeat(parts)) * width
-        shares = width * np.sqrt(stretch.bending(nodes + width / 2) / (8 * target))
+    width = high - low
+    if second is None:
+        looks = low + width * ((np.arange(_LOOKS)[:, None] + 0.5) / _LOOKS)
+        bending = stretch.bending(looks.T.ravel()).reshape(-1, _LOOKS).max(axis=1)
+    else:
+        # S'' is linear or constant on a span, so largest at an end.
+        ends = norms(second)
+        bending = ends.take(stretch.spans - stretch.degree)
+        if stretch.degree == 3:
+            bending = np.maximum(bending, ends.take(stretch.spans - 2))
+    cells = np.ceil(width * np.sqrt(bending * (_CELLS_PER_CHORD**2 / (8 * target))))
+    parts = np.minimum(np.maximum(cells, _FEWEST_CELLS), _MOST_CELLS).astype(np.intp)
+    ends = parts.cumsum()
+    width = (width / parts).repeat(parts)
+    nodes = np.empty(len(width) + 1)
+    nodes[:-1] = low.repeat(parts) + (np.arange(ends[-1]) - (ends - parts).repeat(parts)) * width
+    nodes[-1] = stop
+    shares = np.sqrt(stretch.bending(nodes[:-1] + width / 2) / (8 * target))
     # Never quite zero, so that the density can be inverted where the curve is straight.
-    shares += width * (1e-6 / (stop - start))
-    return np.append(nodes, stop), shares
+    shares += 1e-6 / (stop - start)
+    shares *= width
+    return nodes, shares
 
 
 def _corrected(nodes: Array, shares: Array, t: Array, needs: Array) -> tuple[Array, Array]:
@@ -204,13 +223,13 @@ def _blocks(t: Array, fixed: Array, size: int, shift: int) -> IntArray:
 
 
 def _lay_out(
-    nodes: Array, shares: Array, begins: Array, ends: Array, least: int = 1
+    nodes: Array, shares: Array, begins: Array, ends: Array, least: int = 1, spare: float = 0.0
 ) -> tuple[Array, IntArray]:
     """Divide intervals into chords of equal shares, at most 1; return their starts and counts."""
     sums = np.concatenate(([0.0], shares.cumsum()))
     marks = np.interp(begins, nodes, sums)
     needs = np.interp(ends, nodes, sums) - marks
-    counts = np.maximum(np.ceil(needs), least).astype(np.intp)
+    counts = np.maximum(np.ceil(needs + spare * (needs > _SPARE_FROM)), least).astype(np.intp)
     if least > 1:
         counts = np.minimum(counts, _MOST_PARTS)
     stops = counts.cumsum()
@@ -263,7 +282,7 @@ def _certify(
         high[inner - 1] = line
         if second is not None:
             off[inner] = norms(stretch.at(there) - line)
-    if not isinstance(slack, float):
+    if isinstance(slack, np.ndarray):
         slack = slack.take(pieces.cells)
     if second is None:
         bounds = bernstein_deviation(stretch, pieces, low, high, _SPLITS) + slack

@@ -4,7 +4,7 @@ No vectorisation and no cleverness. Numbers may be floats or `fractions.Fraction
 every result is exact.
 
 The recursion is Cox-de Boor with the second numerator ``u_(i+k) - u`` for order k (degree k - 1).
-Bartels and Beatty (1989) print it as ``u - u_(i+k)``, which is negative where the basis must not be.
+Bartels and Beatty (1989) print it as ``u - u_(i+k)``, which is negative where it must not be.
 """
 
 from collections.abc import Sequence
@@ -103,9 +103,7 @@ def rational_curve_point(
     >>> rational_curve_point([0, 0, 1, 1], [[0], [2]], [1, 3], 1, 0.5)
     [1.5]
     """
-    values = [
-        weight * basis_function(knots, degree, i, t) for i, weight in enumerate(weights)
-    ]
+    values = [weight * basis_function(knots, degree, i, t) for i, weight in enumerate(weights)]
     total = sum(values, start=0)
     return [
         sum((value * point[axis] for value, point in zip(values, points, strict=True)), start=0)

@@ -28,8 +28,10 @@ class DyadicSpline(NamedTuple):
     @property
     def points(self) -> Array:
         """The control points, ``(n, d)``."""
-        return self.coefficients[:, :-1] / self.weights[:, None] if self.rational else (
-            self.coefficients
+        return (
+            self.coefficients[:, :-1] / self.weights[:, None]
+            if self.rational
+            else (self.coefficients)
         )
 
     @property

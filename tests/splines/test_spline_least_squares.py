@@ -37,9 +37,7 @@ def rough(count: int = 40) -> tuple[Array, Array]:
 
 
 @given(dyadic_splines(rational=None, max_multiplicity=2), st.data())
-def test_the_solution_is_that_of_the_full_matrix(
-    spline: DyadicSpline, data: st.DataObject
-) -> None:
+def test_the_solution_is_that_of_the_full_matrix(spline: DyadicSpline, data: st.DataObject) -> None:
     """Any stretch of free control points, weighted rows, rational bases too."""
     count = len(spline.points)
     ends = data.draw(st.lists(st.integers(0, count), min_size=2, max_size=2, unique=True))
@@ -84,9 +82,7 @@ def test_the_whole_agrees_with_scipy() -> None:
     """Nothing held, rows of equal weight."""
     t, targets = rough(300)
     knots = np.concatenate(([0.0] * 4, np.linspace(0, 1, 20)[1:-1], [1.0] * 4))
-    solved = solve_window(
-        knots, 3, np.zeros((22, 2)), slice(0, 22), t, targets, np.ones(len(t))
-    )
+    solved = solve_window(knots, 3, np.zeros((22, 2)), slice(0, 22), t, targets, np.ones(len(t)))
     assert solved == pytest.approx(make_lsq_spline(t, targets, knots, 3).c, abs=1e-9)
 
 

@@ -56,9 +56,7 @@ def test_the_blossom_is_symmetric_and_the_curve_is_its_diagonal(spline: DyadicSp
 
 
 @given(dyadic_splines(rational=None), st.lists(FRACTIONS, max_size=6))
-def test_refinement_does_not_change_the_curve(
-    spline: DyadicSpline, extra: list[float]
-) -> None:
+def test_refinement_does_not_change_the_curve(spline: DyadicSpline, extra: list[float]) -> None:
     """Any further knots, multiple ones too, as long as none exceeds the degree."""
     knots, points, p, _ = spline
     new_knots = knots.tolist()

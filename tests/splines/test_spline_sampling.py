@@ -147,7 +147,7 @@ def test_a_straight_line_is_one_chord(degree: int) -> None:
     """However many knots it has."""
     knots = uniform(200, degree)
     greville = np.convolve(knots, np.full(degree, 1 / degree), "valid")[1:-1]
-    points = np.outer(greville, [3.0, -4.0]) + [1.0, 2.0]
+    points = np.outer(greville, [3.0, -4.0]) + np.array([1.0, 2.0])
     t, _, bounds = sample_spline(knots, points, degree, 0.125, 0.875, tolerance=1e-9)
     assert t.tolist() == [0.125, 0.875]
     assert bounds[0] <= 1e-12
