@@ -19,7 +19,7 @@ LEAF = 64
 
 @attrs.frozen(eq=False)
 class Leaves:
-    """Boxes of the runs of :data:`LEAF` segments of a block, (k, d) each, links between included."""
+    """Boxes of the runs of :data:`LEAF` segments of a block, (k, d) each, links included."""
 
     lows: Array
     highs: Array

@@ -189,9 +189,9 @@ class Polyline(Representation):
         first, last = self.t.searchsorted(a), self.t.searchsorted(b)
         on_first, on_last = float(self.t[first]) == a, float(self.t[last]) == b
         start = stop = None
-        if first:
+        if a > self.domain.start:
             start = self.points[first] if on_first else self(a)
-        if last < len(self.t) - 1:
+        if b < self.domain.stop:
             stop = self.points[last] if on_last else self(b)
         new = follow(sampled, tolerance, start, stop)
         reported = (
