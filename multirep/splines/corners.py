@@ -43,7 +43,8 @@ def corner_parameters(
     At a knot of multiplicity p the curve passes through a control point P with neighbours A and B,
     and the derivatives are p (P - A) / h and p (B - P) / k with h, k the spans' lengths. What
     rounding explains is 16 units in the last place of the largest of the three coordinates (times
-    the ratio of the weights), over the shorter of h and k: where a smooth curve was given a knot p times, no corner is reported.
+    the ratio of the weights), over the shorter of h and k: where a smooth curve was given a knot p
+    times, no corner is reported.
 
     Examples
     --------
@@ -68,17 +69,15 @@ def corner_parameters(
     first, last = after - degree, before
     rows = coefficients.take(np.stack([last - 1, last, first, first + 1]), axis=0)
     ahead, behind = knots[after + 1] - full, full - knots[before]
+    points = rows
+    slower, faster, steepest = (np.ones(1) for _ in range(3))
     if rational:
         weights = rows[..., -1:]
         points = rows[..., :-1] / weights
-        left = (points[1] - points[0]) * (weights[0] / weights[1]) / behind[:, None]
-        right = (points[3] - points[2]) * (weights[3] / weights[2]) / ahead[:, None]
-    else:
-        points = rows
-        left = (points[1] - points[0]) / behind[:, None]
-        right = (points[3] - points[2]) / ahead[:, None]
+        slower, faster = weights[0] / weights[1], weights[3] / weights[2]
+        steepest = np.maximum(np.maximum(slower, faster), 1.0)[:, 0]
+    left = (points[1] - points[0]) * slower / behind[:, None]
+    right = (points[3] - points[2]) * faster / ahead[:, None]
     jump = np.abs(right - left).max(axis=1)
-    noise = 16 * np.finfo(np.float64).eps * np.abs(points).max(axis=(0, 2))
-    if rational:
-        noise *= np.maximum(weights[[0, 3]] / weights[[1, 2]], 1.0).max(axis=(0, 2))
+    noise = 16 * np.finfo(np.float64).eps * steepest * np.abs(points).max(axis=(0, 2))
     return np.asarray(full[jump * np.minimum(ahead, behind) > noise])
