@@ -1,7 +1,8 @@
 """The ε contract, checked from the outside with scipy alone: nothing of multirep is imported here.
 
-``python tests/acceptance.py OUT_DIR`` checks what `multirep run` wrote; :func:`problems` checks the same data in memory.
-The evaluation is written anew: a polyline by its chords, a NURBS by scipy's BSpline in homogeneous coordinates.
+``python tests/acceptance.py OUT_DIR`` checks what `multirep run` wrote; :func:`problems` checks the
+same data in memory. The evaluation is written anew: a polyline by its chords, a NURBS by scipy's
+BSpline in homogeneous coordinates.
 """
 
 from __future__ import annotations
@@ -22,12 +23,14 @@ Evaluate = Callable[[Any], Any]
 def problems(
     geometry: dict[str, Any], report: dict[str, Any], *, parameters: int = 20000
 ) -> list[str]:
-    """Return everything in geometry.json and report.json that breaks the contract; empty when nothing does."""
+    """Return everything in geometry.json and report.json that breaks the contract."""
     found: list[str] = []
     if set(geometry["curves"]) != set(report["curves"]):
         found.append("the two files speak of different curves")
     for name, curve in geometry["curves"].items():
-        found += [f"{name}: {problem}" for problem in _curve(curve, report["curves"][name], parameters)]
+        found += [
+            f"{name}: {problem}" for problem in _curve(curve, report["curves"][name], parameters)
+        ]
     return found
 
 

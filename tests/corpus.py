@@ -80,7 +80,7 @@ def _points(name: str, points: list[list[float]]) -> Entry:
 
 
 def unpack(ring: dict[str, Any]) -> list[list[float]]:
-    """Return the points of a packed ring: zlib over zig-zag varints of the steps of quantised x, then y."""
+    """Unpack a ring: zlib over zig-zag varints of the steps of quantised x, then y."""
     values, shift, value = [], 0, 0
     for byte in zlib.decompress(base64.b64decode(ring["data"])):
         value |= (byte & 127) << shift

@@ -1,4 +1,4 @@
-"""The ε contract on real input: every curve of tests/data, read from a script, at three tolerances."""
+"""The ε contract on real input: every curve of tests/data, at three tolerances."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ TOLERANCES = (1e-2, 1e-3, 1e-4)
 
 
 def _read(entry: Entry, folder: Path, relative: float) -> Script:
-    """Read the script of a curve, with a tolerance relative to the larger side of its bounding box."""
+    """Read a curve, with a tolerance relative to the larger side of its bounding box."""
     script = read_script(entry.write(folder), Registry.discover())
     [curve] = script.curves
     source = curve.source
@@ -40,7 +40,12 @@ def _read(entry: Entry, folder: Path, relative: float) -> Script:
         from acceptance import _nurbs
 
         weights = source.weights or [1.0] * len(points)
-        data = {"degree": source.degree, "knots": source.knots, "points": points, "weights": weights}
+        data = {
+            "degree": source.degree,
+            "knots": source.knots,
+            "points": points,
+            "weights": weights,
+        }
         start, stop = source.knots[source.degree], source.knots[-source.degree - 1]
         points = _nurbs(data, start, stop)[0](np.linspace(start, stop, 1001))
     size = float(np.ptp(points, axis=0).max())
@@ -94,7 +99,7 @@ def test_a_stroke_of_one_point_is_refused(points: str, tmp_path: Path) -> None:
 
 
 def test_the_checker_sees_a_broken_contract(tmp_path: Path) -> None:
-    """The independent check fails when a representation is moved by a little more than the tolerance."""
+    """The independent check fails when a representation is moved by more than the tolerance."""
     result = run(_read(ENTRIES[SPREAD[0]], tmp_path, 1e-3), Registry.discover())
     written, stated = geometry(result), report(result)
     moved = np.array(written["curves"]["curve"]["wavelet"]["points"])
@@ -109,5 +114,7 @@ def test_the_checker_runs_alone(tmp_path: Path) -> None:
     out = tmp_path / "out"
     assert CliRunner().invoke(main, ["run", str(script), "--out", str(out)]).exit_code == 0
     checker = Path(__file__).with_name("acceptance.py")
-    done = subprocess.run([sys.executable, checker, out], capture_output=True, text=True, check=False)
+    done = subprocess.run(
+        [sys.executable, checker, out], capture_output=True, text=True, check=False
+    )
     assert done.returncode == 0, done.stdout + done.stderr

@@ -33,7 +33,10 @@ SCRIPTS = {
     "no geometry": (HEAD, ["curve[0]", "exactly one of points, nurbs, svg", "none"]),
     "two geometries": (GOOD + 'svg = "x.svg"', ["exactly one of", "points and svg"]),
     "a key of another geometry": (GOOD + "element = 1", ["element", "does not go with 'points'"]),
-    "no name": ("multirep = 1\n[[curve]]\ntolerance = 1\npoints = [[0,0],[1,1]]", ["name: missing"]),
+    "no name": (
+        "multirep = 1\n[[curve]]\ntolerance = 1\npoints = [[0,0],[1,1]]",
+        ["name: missing"],
+    ),
     "an empty name": (GOOD.replace('"c"', '""'), ["curve[0].name", "printable characters"]),
     "a name twice": (GOOD + GOOD.removeprefix("multirep = 1\n"), ["curve[1].name", "already"]),
     "no tolerance": (GOOD.replace("tolerance = 0.01\n", ""), ["tolerance: missing"]),

@@ -24,7 +24,7 @@ def test_files_are_written_whole(tmp_path: Path) -> None:
 def test_a_failing_write_leaves_the_old_files(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """When the disk is full for the second file, the first is not replaced, and nothing is left over."""
+    """When the disk is full for the second file, the first is not replaced; nothing is left."""
     (tmp_path / "a.txt").write_text("old")
     real, calls = os.fsync, []
 

@@ -31,7 +31,10 @@ def bezier(segment: Segment, t: np.ndarray) -> np.ndarray:
     degree = len(segment.points) - 1
     weights = np.ones(degree + 1) if segment.weights is None else segment.weights
     basis = np.stack(
-        [math.comb(degree, i) * t**i * (1 - t) ** (degree - i) * weights[i] for i in range(degree + 1)],
+        [
+            math.comb(degree, i) * t**i * (1 - t) ** (degree - i) * weights[i]
+            for i in range(degree + 1)
+        ],
         axis=1,
     )
     return basis @ segment.points / basis.sum(axis=1, keepdims=True)
@@ -60,7 +63,7 @@ def test_raising_the_degree_changes_nothing(corners: list[tuple[float, float]], 
 
 @given(st.floats(-math.pi, math.pi), st.floats(-2 * math.pi, 2 * math.pi), st.floats(0.1, 10))
 def test_an_arc_lies_on_its_ellipse(start: float, sweep: float, ratio: float) -> None:
-    """Every point of an arc satisfies the equation of the ellipse, and the arc runs the right way."""
+    """Every point of an arc lies on the ellipse, and the arc runs the right way."""
     if abs(sweep) < 1e-3:
         return
     axes = np.array([[ratio * 0.6, ratio * 0.8], [-0.8, 0.6]])

@@ -30,7 +30,7 @@ class Outer:
     flag: bool = False
     inner: Inner = Inner()
     inners: tuple[Inner, ...] = ()
-    points: Points = Points(())
+    points: Points = field(default=Points(()))
     words: list[str] = field(factory=list)
 
     def __attrs_post_init__(self) -> None:

@@ -1,0 +1,136 @@
+"""The built wheel, apart from the checkout: on this Python, and on a newer one if there is any."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[1]
+SOURCES = ("multirep", "representations", "tools", "constraints")
+BUILT_FROM = ("pyproject.toml", "setup.py", "README.md", "LICENSE")
+#: Tests that need no checkout around them, and stand for the numerics, the kernel and the scripts.
+SUBSET = ("splines", "kernel", "script", "cli/test_commands.py")
+
+pytestmark = pytest.mark.skipif(
+    not (ROOT / "pyproject.toml").exists(), reason="there is no checkout to build from"
+)
+
+#: Run apart from the checkout: which plugins there are, an example, where modules come from.
+PROBE = """
+import sys
+from pathlib import Path
+import multirep
+from multirep.cli import main
+from multirep.registry import Registry
+
+registry = Registry.discover()
+for family in (registry.representations, registry.tools, registry.constraints):
+    print("plugins", *(family[name].name for name in family))
+main(["run", sys.argv[1], "--out", "out"], standalone_mode=False)
+for module in list(sys.modules.values()):
+    if getattr(module, "__name__", "").split(".")[0] == "multirep":
+        print("from", module.__file__)
+"""
+
+
+def run(command: Sequence[str | Path], cwd: Path, **variables: str) -> str:
+    """Run a program without what points at the checkout; return what it prints."""
+    unwanted = ("PYTHONPATH", "MYPYPATH", "PYTHONHOME", "VIRTUAL_ENV")
+    environment = {key: value for key, value in os.environ.items() if key not in unwanted}
+    done = subprocess.run(
+        [str(part) for part in command],
+        cwd=cwd,
+        env=environment | variables,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0, f"{command}\n{done.stdout}\n{done.stderr}"
+    return done.stdout
+
+
+@pytest.fixture(scope="module")
+def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Build the wheel from a copy, so that nothing is left in the checkout."""
+    copy = tmp_path_factory.mktemp("source")
+    clutter = shutil.ignore_patterns("__pycache__")
+    for folder in SOURCES:
+        shutil.copytree(ROOT / folder, copy / folder, symlinks=True, ignore=clutter)
+    for file in BUILT_FROM:
+        shutil.copy(ROOT / file, copy)
+    target = tmp_path_factory.mktemp("wheel")
+    run([sys.executable, "-m", "pip", "wheel", "-q", "--no-deps", "-w", target, copy], target)
+    [built] = target.glob("multirep-*.whl")
+    return built
+
+
+@pytest.fixture
+def apart(tmp_path: Path) -> Path:
+    """A folder with the examples and nothing else of the checkout."""
+    shutil.copytree(ROOT / "examples", tmp_path / "examples")
+    return tmp_path
+
+
+def check_probe(printed: str, site: Path) -> None:
+    """Check what the probe printed: all plugins, all modules from the wheel, an example done."""
+    lines = [line.split() for line in printed.splitlines()]
+    representations, tools, _ = (line[1:] for line in lines if line[:1] == ["plugins"])
+    assert {"polyline", "nurbs", "wavelet"} <= set(representations)
+    assert {"move-vertex", "set-weight", "sweep", "spatula"} <= set(tools)
+    modules = [Path(line[1]) for line in lines if line[:1] == ["from"]]
+    assert len(modules) > 20
+    assert all(module.is_relative_to(site) for module in modules)
+
+
+def test_the_wheel_works_apart_from_the_checkout(wheel: Path, apart: Path) -> None:
+    """Plugins are found, an example runs, and nothing comes from the source tree."""
+    site = apart / "site"
+    pip = [sys.executable, "-m", "pip", "install", "-q", "--no-deps", "--target", site, wheel]
+    run(pip, apart)
+    assert not [name for name in SOURCES[1:] if (site / name).exists()], "a generic name is shipped"
+    path = {"PYTHONPATH": str(site)}
+    version = run([sys.executable, "-m", "multirep", "--version"], apart, **path)
+    assert version.split() == ["multirep", wheel.name.split("-")[1]]
+    check_probe(run([sys.executable, "-c", PROBE, "examples/airfoil.toml"], apart, **path), site)
+    for name in ("report.json", "geometry.json", "airfoil.svg"):
+        assert (apart / "out" / name).is_file()
+
+
+def newer_python() -> Path | None:
+    """Return the newest other Python from 3.12 on that can make virtual environments."""
+    found: dict[tuple[int, int], Path] = {}
+    versions = Path(os.environ.get("PYENV_ROOT", Path.home() / ".pyenv")) / "versions"
+    candidates = [shutil.which(f"python3.{minor}") for minor in range(12, 20)]
+    candidates += [str(path) for path in versions.glob("3.*/bin/python3")]
+    ask = "import sys, venv, ensurepip; print(sys.version_info[0], sys.version_info[1])"
+    for candidate in filter(None, candidates):
+        done = subprocess.run([candidate, "-c", ask], capture_output=True, text=True, check=False)
+        if done.returncode == 0:
+            major, minor = map(int, done.stdout.split())
+            if (3, 12) <= (major, minor) != sys.version_info[:2]:
+                found[major, minor] = Path(candidate)
+    return found[max(found)] if found else None
+
+
+@pytest.mark.slow
+def test_the_wheel_works_on_the_newer_numpy_stack(wheel: Path, apart: Path) -> None:
+    """Python 3.12 and newer get other versions of numpy and scipy; the wheel works there, too."""
+    python = newer_python()
+    if python is None:
+        pytest.skip("no Python from 3.12 on beside this one")
+    run([python, "-m", "venv", apart / "venv"], apart)
+    binaries = apart / "venv" / ("Scripts" if os.name == "nt" else "bin")
+    there = binaries / "python"
+    run([there, "-m", "pip", "install", "-q", f"{wheel}[testing]"], apart)
+    assert run([binaries / "multirep", "--version"], apart).startswith("multirep ")
+    check_probe(run([there, "-c", PROBE, "examples/airfoil.toml"], apart), apart / "venv")
+    shutil.copytree(ROOT / "tests", apart / "tests")
+    (apart / "pytest.ini").write_text("[pytest]\nmarkers = slow\n")
+    chosen = [Path("tests") / part for part in SUBSET]
+    print(run([there, "-m", "pytest", "-q", "-p", "no:cacheprovider", *chosen], apart)[-300:])
