@@ -170,7 +170,7 @@ def test_levels_of_a_graded_curve() -> None:
 
 
 def test_colours_are_distinct_and_stable() -> None:
-    """Built-in representations keep their colours beside plugins; levels run over the whole ramp."""
+    """Built-in representations keep their colours beside plugins; levels use the whole ramp."""
     names = ("polyline", "nurbs", "wavelet", "quintic", "hermite")
     assert len({hue(name, names) for name in names}) == 5
     assert hue("nurbs", ("nurbs",)) == hue("nurbs", names)
