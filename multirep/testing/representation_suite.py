@@ -579,7 +579,7 @@ def bumped(
 
 
 def refined(sampled: SampledSplice, at: Any) -> SampledSplice:
-    """Return the same polyline with more vertices; each piece keeps the certificate of its chord."""
+    """Return the same polyline with more vertices; pieces keep the certificate of their chord."""
     t = np.union1d(sampled.t, at)
     bounds = sampled.chord_bounds
     if bounds is not None:

@@ -23,8 +23,8 @@ class TestLongPolyline(RepresentationSuite):
     @pytest.fixture
     def representation(self) -> Polyline:
         rng = np.random.default_rng(6)
-        t = np.linspace(-2.0, 3.0, 10_000)
-        walk = np.cumsum(rng.normal(size=(10_000, 3)), axis=0)
+        t = np.linspace(-2.0, 3.0, 6_000)
+        walk = np.cumsum(rng.normal(size=(6_000, 3)), axis=0)
         return Polyline(t, walk)
 
 
