@@ -27,17 +27,17 @@ lint: $(VENV)/test.stamp
 
 types: $(VENV)/test.stamp
 	$(BIN)/pip install -q pyright
-	$(BIN)/pyright
+	$(BIN)/pyright --pythonpath $(BIN)/python
 
 picture: $(VENV)/demo.stamp
 	$(BIN)/multirep render examples/cat.toml -o docs/cat.svg
 
 $(VENV)/demo.stamp: pyproject.toml setup.py | $(VENV)/pip.stamp
-	$(BIN)/python -m pip install -q -e .
+	PYTHONWARNINGS=ignore $(BIN)/python -m pip install -q -e .
 	@touch $@
 
 $(VENV)/test.stamp: pyproject.toml setup.py | $(VENV)/pip.stamp
-	$(BIN)/python -m pip install -q -e . --group test --group lint --group types
+	PYTHONWARNINGS=ignore $(BIN)/python -m pip install -q -e . --group test --group lint --group types
 	@touch $@ $(VENV)/demo.stamp
 
 # pip older than 25.1 does not know --group.

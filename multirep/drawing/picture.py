@@ -67,7 +67,8 @@ class Group:
     clip: Box | None = None
 
 
-Item: TypeAlias = Lines | Marks | Box | Text | Group
+Shape: TypeAlias = Lines | Marks | Box | Text
+Item: TypeAlias = Shape | Group
 
 
 @frozen(eq=False)

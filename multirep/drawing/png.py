@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from multirep.drawing.picture import Box, Group, Item, Lines, Marks, Picture, Text
+from multirep.drawing.picture import Box, Group, Item, Lines, Marks, Picture, Shape
 from multirep.errors import MissingExtraError
 
 #: Page units per inch, as for matplotlib's own sizes; only the ratio to ``scale`` matters.
@@ -50,9 +50,9 @@ def to_png(picture: Picture, *, scale: float = 2.0) -> bytes:
     return stream.getvalue()
 
 
-def _flat(items: tuple[Item, ...], clip: Box | None) -> list[tuple[Item, Box | None]]:
+def _flat(items: tuple[Item, ...], clip: Box | None) -> list[tuple[Shape, Box | None]]:
     """Resolve groups; the innermost clip counts (clips are nested here)."""
-    flat: list[tuple[Item, Box | None]] = []
+    flat: list[tuple[Shape, Box | None]] = []
     for item in items:
         if isinstance(item, Group):
             flat += _flat(item.items, item.clip or clip)
@@ -61,7 +61,7 @@ def _flat(items: tuple[Item, ...], clip: Box | None) -> list[tuple[Item, Box | N
     return flat
 
 
-def _draw(axes: Any, item: Item, clip: Box | None, order: int) -> None:
+def _draw(axes: Any, item: Shape, clip: Box | None, order: int) -> None:
     from matplotlib.collections import LineCollection
     from matplotlib.patches import FancyBboxPatch, Rectangle
 
@@ -96,7 +96,7 @@ def _draw(axes: Any, item: Item, clip: Box | None, order: int) -> None:
         else:
             artist = Rectangle(corner, item.width, item.height, **look)
         axes.add_patch(artist)
-    elif isinstance(item, Text):
+    else:
         align = {"start": "left", "middle": "center", "end": "right"}[item.anchor]
         artist = axes.text(
             item.x, item.y, item.text.replace("$", r"\$"), fontsize=item.size * POINTS_PER_UNIT,

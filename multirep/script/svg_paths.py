@@ -248,10 +248,11 @@ def _segments(segment: Any, linear: Array, offset: Array) -> list[Segment]:
     if isinstance(segment, svgelements.Arc) and segment.start != segment.end:
         center = np.array(segment.center, float)
         axes = np.array([segment.prx, segment.pry], float) - center
-        if not (np.isfinite(axes).all() and math.isfinite(segment.sweep)):
+        sweep = float(segment.sweep or 0.0)
+        if not (np.isfinite(axes).all() and math.isfinite(sweep)):
             raise ValueError("an arc is not finite")
-        if abs(np.linalg.det(axes)) > 0 and segment.sweep:
-            pieces = arc(segment.start, segment.end, center, axes[0], axes[1], float(segment.sweep))
+        if abs(np.linalg.det(axes)) > 0 and sweep:
+            pieces = arc(segment.start, segment.end, center, axes[0], axes[1], sweep)
             return [Segment(p.points @ linear + offset, p.weights) for p in pieces]
     names: tuple[str, ...] = ("start", "control1", "control", "control2", "end")
     if isinstance(segment, svgelements.Arc):
