@@ -1,0 +1,94 @@
+"""Points and derivatives of a NURBS from a window of its arrays.
+
+Where all weights that matter are exactly 1 the curve is the polynomial spline, and is computed as
+such: so that changing a weight leaves every point outside its support as it is, bit by bit, though
+the curve was polynomial before.
+"""
+
+from __future__ import annotations
+
+from math import comb
+from typing import Literal
+
+import numpy as np
+
+from multirep.arrays import Array
+from multirep.splines import evaluate, find_spans
+
+Side = Literal["left", "right"]
+
+
+def homogeneous(points: Array, weights: Array) -> Array:
+    """Return ``(w x, w y, .., w)`` rows, (n, d + 1)."""
+    n, d = points.shape
+    rows = np.empty((n, d + 1))
+    np.multiply(points, weights[:, None], out=rows[:, :d])
+    rows[:, d] = weights
+    return rows
+
+
+def polynomial_spans(weights: Array, degree: int) -> Array | None:
+    """Which spans k = p .. n - 1 of a window depend on weights 1 only, (n - p,); None: no span.
+
+    Costs O(n), a few passes.
+    """
+    differs = weights != 1.0
+    count = int(np.count_nonzero(differs))
+    if count == len(weights):
+        return None
+    sums = np.concatenate(([0], differs.cumsum()))
+    plain: Array = sums[degree + 1 :] == sums[: len(sums) - degree - 1]
+    return plain if bool(plain.any()) else None
+
+
+def window_points(
+    knots: Array, points: Array, weights: Array | None, degree: int, t: Array
+) -> Array:
+    """Evaluate a window at parameters (m,) in any order; (m, d)."""
+    if weights is None:
+        return evaluate(knots, points, degree, t)
+    values = evaluate(knots, homogeneous(points, weights), degree, t)
+    w = values[:, -1]
+    plain = polynomial_spans(weights, degree)
+    if plain is not None:
+        spans = find_spans(knots, degree, t)
+        w = np.where(plain[spans - degree], 1.0, w)
+    return np.asarray(values[:, :-1] / w[:, None])
+
+
+def window_derivative(
+    knots: Array,
+    points: Array,
+    weights: Array | None,
+    degree: int,
+    t: Array,
+    order: int,
+    side: Side,
+) -> Array:
+    """Differentiate a window ``order`` times at parameters (m,); (m, d).
+
+    Notes
+    -----
+    Rational: with A = w C, Leibniz' rule gives C^(k) from A^(k) and the lower derivatives,
+    ``C^(k) = (A^(k) - sum_i binom(k, i) w^(i) C^(k - i)) / w``.
+    """
+    if weights is None:
+        return evaluate(knots, points, degree, t, order=order, side=side)
+    rows = homogeneous(points, weights)
+    plain = polynomial_spans(weights, degree)
+    is_plain = None
+    if plain is not None:
+        is_plain = plain[find_spans(knots, degree, t, side=side) - degree]
+    found: list[Array] = []
+    bottoms: list[Array] = []
+    for k in range(order + 1):
+        values = evaluate(knots, rows, degree, t, order=k, side=side)
+        bottom = values[:, -1:]
+        if is_plain is not None:
+            bottom[is_plain] = 1.0 if k == 0 else 0.0
+        bottoms.append(bottom)
+        top = values[:, :-1]
+        for i in range(1, k + 1):
+            top = top - comb(k, i) * bottoms[i] * found[k - i]
+        found.append(top / bottoms[0])
+    return found[order]

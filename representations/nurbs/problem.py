@@ -1,0 +1,168 @@
+"""The problem behind a fit: a polyline to follow, what stands fixed at its ends, one trial on given knots.
+
+A trial is a banded weighted least-squares fit against the polyline (not against its vertices
+alone: rows are placed between them too) and the residuals that it leaves, span by span, in units
+of what is allowed. Residuals guide the choice of knots; `proved` decides.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple, Protocol
+
+import attrs
+import numpy as np
+
+from multirep.arrays import Array, Indices
+from multirep.bounds import spline_chord_deviation
+from multirep.representations.nurbs.evaluation import homogeneous
+from multirep.sampled import SampledSplice
+from multirep.splines import evaluate
+from multirep.splines.least_squares import polyline_rows, solve_window
+
+#: How much more a row counts that lies on a knot of full multiplicity: so corners are met almost
+#: exactly. Larger would cost digits in the normal equations.
+CORNER_WEIGHT = 1e4
+
+
+class Course(NamedTuple):
+    """A polyline to be followed, and how closely."""
+
+    t: Array
+    """(m + 1,)"""
+    points: Array
+    """(m + 1, d)"""
+    allowance: Array
+    """(m,), positive: what the fit may be off by on each chord."""
+    tightest: float
+    """The smallest allowance."""
+    uniform: bool
+    """Whether all allowances are the same."""
+
+    @classmethod
+    def of(cls, t: Array, points: Array, allowance: Array) -> Course:
+        """Make a course of a polyline and what is allowed on each chord."""
+        tightest = float(allowance.min())
+        return cls(t, points, allowance, tightest, tightest == float(allowance.max()))
+
+    @classmethod
+    def from_sampled(cls, sampled: SampledSplice, tolerance: float) -> Course:
+        """Make the course that a sampled splice and a tolerance ask for."""
+        return cls.of(sampled.t, sampled.points, sampled.allowance(tolerance))
+
+    def allowed(self, at: Array) -> Array | float:
+        """What is allowed at parameters (the smaller of two chords at a vertex)."""
+        if self.uniform:
+            return self.tightest
+        last = len(self.allowance) - 1
+        right = np.minimum(self.t.searchsorted(at, "right") - 1, last)
+        left = np.maximum(self.t.searchsorted(at, "left") - 1, 0)
+        return np.minimum(self.allowance.take(left), self.allowance.take(right))
+
+
+class Breakpoints(NamedTuple):
+    """Distinct knots from one end of the window to the other, and how often each stands there."""
+
+    at: Array
+    """(s + 1,), strictly increasing."""
+    times: Indices
+    """(s + 1,)"""
+
+
+class Ends(Protocol):
+    """What stands fixed at the ends of the window."""
+
+    def knots(self, breakpoints: Breakpoints) -> Array:
+        """Return the knots of the window: p + 1 up to its start, the inner ones, p + 1 after."""
+        ...
+
+    def fixed(self, knots: Array, breakpoints: Breakpoints) -> tuple[Array, slice, Array | None]:
+        """Return control points with the fixed rows filled in, the free slice, and weights."""
+        ...
+
+
+class Trial(NamedTuple):
+    """A fit on given knots, and how well it follows."""
+
+    breakpoints: Breakpoints
+    knots: Array
+    """(n + p + 1,), of the window."""
+    points: Array
+    """(n, d)"""
+    weights: Array | None
+    """(n,)"""
+    rows: Array
+    """(r,): the parameters at which residuals were taken."""
+    ratios: Array
+    """(r,): residual over allowance."""
+    firsts: Indices
+    """(s + 1,): the row at each breakpoint."""
+    worst: Array
+    """(s,): the largest ratio on each span."""
+
+    @property
+    def count(self) -> int:
+        """Number of control points."""
+        return len(self.points)
+
+
+@attrs.frozen(eq=False)
+class Problem:
+    """Follow ``course`` with a spline of ``degree`` between ``ends``."""
+
+    degree: int
+    course: Course
+    ends: Ends
+
+    def tried(self, breakpoints: Breakpoints) -> Trial:
+        """Fit on given knots.
+
+        Raises
+        ------
+        numpy.linalg.LinAlgError
+            When the knots are so close that the equations lose their rank.
+        """
+        p, course = self.degree, self.course
+        knots = self.ends.knots(breakpoints)
+        fixed, free, weights = self.ends.fixed(knots, breakpoints)
+        rows, targets, row_weights = polyline_rows(knots, p, course.t, course.points)
+        at = breakpoints.at
+        firsts = rows.searchsorted(at)
+        corners = np.flatnonzero(breakpoints.times[1:-1] >= p)
+        if len(corners):
+            row_weights[firsts[1:-1][corners]] *= CORNER_WEIGHT
+        if not course.uniform:
+            allowed = course.allowed(rows)
+            row_weights /= (allowed / course.tightest) ** 2
+        else:
+            allowed = course.tightest
+        points = solve_window(knots, p, fixed, free, rows, targets, row_weights, weights)
+        if weights is None:
+            there = evaluate(knots, points, p, rows)
+        else:
+            there = evaluate(knots, homogeneous(points, weights), p, rows)
+            there = there[:, :-1] / there[:, -1:]
+        there -= targets
+        ratios = np.sqrt(np.einsum("md,md->m", there, there)) / allowed
+        worst = np.maximum.reduceat(ratios, firsts[:-1])
+        worst = np.maximum(worst, ratios.take(firsts[1:]))
+        return Trial(breakpoints, knots, points, weights, rows, ratios, firsts, worst)
+
+    def proved(self, trial: Trial, splits: int = 1) -> Array:
+        """Return the certified deviation on each chord of the course, (m,)."""
+        weights, course = trial.weights, self.course
+        rows = trial.points if weights is None else homogeneous(trial.points, weights)
+        return spline_chord_deviation(
+            trial.knots,
+            rows,
+            self.degree,
+            course.t,
+            course.points,
+            rational=weights is not None,
+            splits=splits,
+            allowance=course.tightest if course.uniform else course.allowance,
+        )
+
+
+def minimal(degree: int, start: float, stop: float, left: int, right: int) -> Breakpoints:
+    """Return the breakpoints of a single span, with multiplicities at its ends."""
+    return Breakpoints(np.array([start, stop]), np.array([left, right], dtype=np.intp))

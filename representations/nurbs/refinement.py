@@ -1,0 +1,182 @@
+"""More knots where a fit fails: spans are cut, and corners become knots of full multiplicity."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from multirep.arrays import Array, Indices
+from multirep.representations.nurbs.problem import Breakpoints, Course, Trial
+
+#: A span with at most CORNER_VERTICES vertices of the polyline inside gets a corner when its
+#: residual exceeds the allowance this many times: smooth knots around a kink of height H need
+#: about log(H / allowance) of them, a corner p.
+CORNER_RATIO = 3.0
+CORNER_VERTICES = 2
+#: Only a vertex that stands out by this many allowances may become a corner. The vertices of a
+#: sampled smooth curve stand out by four sagittas, about half an allowance.
+KINK_HEIGHT = 1.0
+#: When the span at an end of the window fails though it is shorter than this part of the first chord,
+#: the join there gives up its smoothness.
+APPROACH = 1 / 16
+#: A span is cut in at most so many parts at once.
+MOST_PARTS = 8
+
+
+def heights(course: Course) -> Array:
+    """How far each inner vertex stands from the line between its neighbours, over its allowance.
+
+    (m - 1,), at equal parameter: the kink J times h1 h2 / (h1 + h2). From a few allowances on, a
+    smooth curve needs more control points around the vertex than a corner costs.
+    """
+    t, points = course.t, course.points
+    share = (t[1:-1] - t[:-2]) / (t[2:] - t[:-2])
+    line = points[:-2] + share[:, None] * (points[2:] - points[:-2])
+    off = np.sqrt(((points[1:-1] - line) ** 2).sum(axis=1))
+    if course.uniform:
+        return np.asarray(off / course.tightest)
+    return np.asarray(off / np.minimum(course.allowance[:-1], course.allowance[1:]))
+
+
+def refined(
+    degree: int, course: Course, trial: Trial, failing: Indices, *, corners_only: bool = False
+) -> Breakpoints:
+    """Return breakpoints with the failing spans cut.
+
+    Parameters
+    ----------
+    degree : int
+    course : Course
+    trial : Trial
+        The fit that fails.
+    failing : indices of spans
+    corners_only : bool
+        The last resort: every vertex in a failing span becomes a corner, so that the polyline
+        itself is in the space of splines.
+
+    Returns
+    -------
+    Breakpoints
+    """
+    p, at, t = degree, trial.breakpoints.at, course.t
+    times = trial.breakpoints.times.copy()
+    low = t.searchsorted(at[failing], "right")
+    high = t.searchsorted(at[failing + 1], "left")
+    inside = high - low
+    ratio = trial.worst[failing]
+    new: list[Array] = []
+    corners: list[Array] = []
+    kinked = kinks(course) if bool((inside <= CORNER_VERTICES).any()) else np.empty(0, dtype=bool)
+    if corners_only:
+        new.append(_between(t, low, high))
+        corners.append(new[-1])
+        for end in (failing, failing + 1):
+            times[end] = np.maximum(times[end], p)
+    else:
+        peak = _peaks(trial, failing)
+        # A vertex nearest to the peak, inside the span where there is one.
+        near = t.searchsorted(peak)
+        near = near - ((near > 0) & (peak - t[np.maximum(near - 1, 0)]
+                                     < t[np.minimum(near, len(t) - 1)] - peak))
+        near = np.clip(near, low, np.maximum(high - 1, low))
+        vertex = t[near]
+        few = (inside > 0) & (inside <= CORNER_VERTICES)
+        new.append(vertex[few])
+        if few.any():
+            sharp = few & (ratio > CORNER_RATIO)
+            corners.append(vertex[sharp][kinked[near[sharp]]])
+        many = np.flatnonzero(inside > CORNER_VERTICES)
+        parts = np.clip(np.ceil(0.9 * ratio[many] ** (1 / (p + 1))), 2, MOST_PARTS).astype(np.intp)
+        parts = np.minimum(parts, inside[many] + 1)
+        new.append(_quantiles(t, low[many], inside[many], parts))
+        none = np.flatnonzero(inside == 0)
+        if len(none):
+            _cut_bare(p, course, trial, failing[none], kinked, times, new)
+    return merged_breakpoints(Breakpoints(at, times), np.concatenate(new), corners, p)
+
+
+def kinks(course: Course) -> NDArray[np.bool_]:
+    """Which vertices, (m + 1,), have a kink that can matter; the first and the last have not."""
+    found = np.zeros(len(course.t), dtype=bool)
+    found[1:-1] = heights(course) > KINK_HEIGHT
+    return found
+
+
+def _cut_bare(
+    p: int,
+    course: Course,
+    trial: Trial,
+    spans: Indices,
+    kinked: NDArray[np.bool_],
+    times: Indices,
+    new: list[Array],
+) -> None:
+    """Cut spans without a vertex inside.
+
+    At a kinked end a corner; at an end of the window that was approached in vain for a while, a
+    knot of full multiplicity, so that only the point there is fixed; else in the middle.
+    """
+    at, t = trial.breakpoints.at, course.t
+    begins, ends = at[spans], at[spans + 1]
+    first, last = trial.ratios[trial.firsts[spans]], trial.ratios[trial.firsts[spans + 1]]
+    where = np.where(first > last, spans, spans + 1)
+    place = np.minimum(t.searchsorted(at[where]), len(t) - 1)
+    raised = (t[place] == at[where]) & kinked[place] & (times[where] < p)
+    times[where[raised]] = p
+    for end, chord in ((0, 0), (len(at) - 1, len(t) - 2)):
+        span = end if end == 0 else end - 1
+        short = at[span + 1] - at[span] < APPROACH * (t[chord + 1] - t[chord])
+        if short and times[end] < p:
+            hit = spans == span
+            times[end] = max(int(times[end]), p) if hit.any() else times[end]
+            raised |= hit
+    rest = ~raised
+    new.append(0.5 * (begins[rest] + ends[rest]))
+
+
+def _peaks(trial: Trial, spans: Indices) -> Array:
+    """Return the parameter of the largest ratio on each of some spans."""
+    starts, stops = trial.firsts[spans], trial.firsts[spans + 1]
+    if len(spans) <= 4:
+        return np.array(
+            [trial.rows[a + int(trial.ratios[a : b + 1].argmax())]
+             for a, b in zip(starts.tolist(), stops.tolist(), strict=True)]
+        )
+    counts = stops - starts + 1
+    ends = counts.cumsum()
+    rows = np.arange(ends[-1]) + (starts - (ends - counts)).repeat(counts)
+    largest = np.flatnonzero(trial.ratios[rows] == trial.worst[spans].repeat(counts))
+    return np.asarray(trial.rows[rows[largest[largest.searchsorted(ends - counts)]]])
+
+
+def _between(t: Array, low: Indices, high: Indices) -> Array:
+    counts = np.maximum(high - low, 0)
+    ends = counts.cumsum()
+    if not ends[-1]:
+        return np.empty(0)
+    return t[np.arange(ends[-1]) + (low - (ends - counts)).repeat(counts)]
+
+
+def _quantiles(t: Array, low: Indices, inside: Indices, parts: Indices) -> Array:
+    """Return vertices that divide the vertices inside each span into equal shares."""
+    if not len(low):
+        return np.empty(0)
+    cuts = parts - 1
+    ends = cuts.cumsum()
+    number = np.arange(ends[-1]) - (ends - cuts).repeat(cuts) + 1
+    share = number * ((inside + 1) / parts).repeat(cuts)
+    index = low.repeat(cuts) + np.clip(np.rint(share).astype(np.intp), 1, inside.repeat(cuts)) - 1
+    return t[index]
+
+
+def merged_breakpoints(
+    old: Breakpoints, new: Array, corners: list[Array], degree: int
+) -> Breakpoints:
+    """Add simple breakpoints, and raise some to full multiplicity."""
+    at, where = np.unique(np.concatenate((old.at, new)), return_index=True)
+    times = np.concatenate((old.times, np.ones(len(new), dtype=np.intp)))[where]
+    for values in corners:
+        if len(values):
+            places = at.searchsorted(values)
+            times[places] = np.maximum(times[places], degree)
+    return Breakpoints(at, times)

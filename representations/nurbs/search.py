@@ -1,0 +1,151 @@
+"""The search for knots: cut until the residuals allow, thin out, prove, cut where the proof fails."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from multirep.arrays import Array, Indices
+from multirep.errors import ToleranceError
+from multirep.representations.nurbs.equalizing import TARGET, equalized
+from multirep.representations.nurbs.problem import Breakpoints, Problem, Trial
+from multirep.representations.nurbs.refinement import merged_breakpoints, refined
+
+#: A vertex that stands out by so many allowances becomes a corner at once: smooth knots around it
+#: would cost more control points. Measured on coastlines; flat between 5 and 20.
+CORNER_HEIGHT = 10.0
+#: Rounds of cutting before the last resort, corners at all vertices of what still fails.
+ROUNDS = 24
+#: Fewer spans must be this part of the present ones before a spliced window is laid out anew:
+#: nearer to 1, a drag would move knots about at every step.
+WORTHWHILE = 0.75
+
+
+def searched(
+    problem: Problem, begin: Breakpoints, forced: Array, tolerance: float
+) -> tuple[Trial, Array]:
+    """Find knots on which a fit can be proved.
+
+    Parameters
+    ----------
+    problem : Problem
+    begin : Breakpoints
+        Knots to begin with.
+    forced : (f,) array
+        Simple knots that must not be removed.
+    tolerance : float
+        For the error message.
+
+    Returns
+    -------
+    trial : Trial
+    proof : (m,) array
+        Certified deviation on each chord.
+
+    Raises
+    ------
+    ToleranceError
+        When no fit can be proved.
+    """
+    trial = passed(problem, begin, tolerance)
+    wanted = (np.maximum(trial.worst / TARGET, 1e-4) ** (1 / (problem.degree + 1))).sum()
+    if wanted + 1 + len(forced) < WORTHWHILE * len(trial.worst):
+        trial = fewer(problem, trial, forced, tolerance)
+    return proved(problem, trial, tolerance)
+
+
+def passed(problem: Problem, begin: Breakpoints, tolerance: float) -> Trial:
+    """Cut spans until no residual exceeds its allowance."""
+    breakpoints = begin
+    for attempt in range(ROUNDS + 4):
+        trial = _tried(problem, breakpoints, tolerance)
+        failing = np.flatnonzero(trial.worst > 1.0)
+        if not len(failing):
+            return trial
+        breakpoints = refined(
+            problem.degree, problem.course, trial, failing, corners_only=attempt >= ROUNDS
+        )
+    raise _out_of_reach(problem, trial, float(trial.worst.max()), tolerance)
+
+
+def fewer(problem: Problem, trial: Trial, forced: Array, tolerance: float) -> Trial:
+    """Lay spans out anew, cut what fails; return the better of before and after."""
+    best = trial
+    for _ in range(2):
+        again = equalized(problem.degree, trial)
+        if len(forced):
+            again = merged_breakpoints(again, forced, [], problem.degree)
+        trial = _tried(problem, again, tolerance)
+    for _ in range(3):
+        failing = np.flatnonzero(trial.worst > 1.0)
+        if not len(failing):
+            return trial if trial.count < best.count else best
+        trial = _tried(
+            problem, refined(problem.degree, problem.course, trial, failing), tolerance
+        )
+    return best
+
+
+def proved(problem: Problem, trial: Trial, tolerance: float) -> tuple[Trial, Array]:
+    """Prove a trial that passed; where the proof fails, cut and prove again."""
+    allowance = problem.course.allowance
+    for attempt in range(ROUNDS + 4):
+        proof = problem.proved(trial)
+        chords = np.flatnonzero(proof > allowance)
+        if len(chords):
+            proof = problem.proved(trial, splits=3)
+            chords = np.flatnonzero(proof > allowance)
+        if not len(chords):
+            return trial, proof
+        breakpoints = refined(
+            problem.degree,
+            problem.course,
+            trial,
+            _spans_of(trial, problem.course.t, chords),
+            corners_only=attempt >= ROUNDS,
+        )
+        if len(breakpoints.at) == len(trial.breakpoints.at) and bool(
+            (breakpoints.times == trial.breakpoints.times).all()
+        ):
+            break
+        trial = _tried(problem, breakpoints, tolerance)
+    raise _out_of_reach(problem, trial, float((proof / allowance).max()), tolerance)
+
+
+def _spans_of(trial: Trial, t: Array, chords: Indices) -> Indices:
+    """Return, for each chord, the span that meets it and has the largest residual there."""
+    at = trial.breakpoints.at
+    low = np.clip(at.searchsorted(t[chords], "right") - 1, 0, len(at) - 2)
+    high = np.clip(at.searchsorted(t[chords + 1], "left"), 1, len(at) - 1)
+    counts = high - low
+    ends = counts.cumsum()
+    firsts = ends - counts
+    spans = np.arange(ends[-1]) + (low - firsts).repeat(counts)
+    worst = trial.worst[spans]
+    largest = np.maximum.reduceat(worst, firsts).repeat(counts)
+    return np.unique(spans[worst >= largest])
+
+
+def _tried(problem: Problem, breakpoints: Breakpoints, tolerance: float) -> Trial:
+    try:
+        return problem.tried(breakpoints)
+    except np.linalg.LinAlgError as error:
+        raise ToleranceError(
+            f"a tolerance of {tolerance:.3g} cannot be met: the knots that it needs are too "
+            f"close for floating-point numbers ({error})",
+            tolerance=tolerance,
+        ) from None
+
+
+def _out_of_reach(
+    problem: Problem, trial: Trial, ratio: float, tolerance: float
+) -> ToleranceError:
+    worst = int(trial.worst.argmax())
+    where = float(trial.breakpoints.at[worst])
+    reachable = tolerance * ratio
+    return ToleranceError(
+        f"a tolerance of {tolerance:.3g} cannot be proved with {trial.count} control points "
+        f"near t = {where!r}; {reachable:.3g} can",
+        tolerance=tolerance,
+        reachable=reachable,
+        where=where,
+    )

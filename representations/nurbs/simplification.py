@@ -1,0 +1,122 @@
+"""Fewer vertices for the same polyline, with the parametric deviation known: fits then cost less."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from multirep.arrays import Array, Indices
+from multirep.representations.nurbs.problem import Course
+
+#: At most so many rounds of cutting groups that deviate; what still does is kept vertex by vertex.
+ROUNDS = 40
+#: Rounds of merging neighbouring groups.
+MERGES = 6
+
+
+def simplified(course: Course, share: float) -> tuple[Indices, Array]:
+    """Choose vertices so that the polyline through them stays within ``share`` of the allowance.
+
+    Parameters
+    ----------
+    course : Course
+    share : float
+        Which part of each chord's allowance may be used.
+
+    Returns
+    -------
+    kept : (k + 1,) indices
+        Vertices of the simpler polyline, the first and the last among them.
+    deviation : (k,) array
+        Largest distance at equal parameter between both polylines on each new chord; it is
+        attained at a vertex left out, so it is exact (up to rounding, which is added).
+
+    Notes
+    -----
+    Curvature decides where vertices are laid out at first; groups that deviate are cut at their
+    worst vertex, neighbours that fit on one chord are merged. A few passes over all vertices each.
+    """
+    t, points = course.t, course.points
+    count = len(t)
+    limit = share * course.allowance
+    vertex_limit = np.minimum(limit[1:], limit[:-1])
+    kept = _laid_out(t, points, vertex_limit)
+    for _ in range(ROUNDS):
+        deviation, worst = _deviations(t, points, vertex_limit, kept)
+        bad = np.flatnonzero(deviation > 1.0)
+        if not len(bad):
+            break
+        kept = np.union1d(kept, worst[bad])
+    else:
+        kept = np.arange(count)
+    for side in range(MERGES):
+        merged = _merged(t, points, vertex_limit, kept, side % 2)
+        if len(merged) > 0.97 * len(kept):
+            kept = merged
+            break
+        kept = merged
+    return kept, _absolute(t, points, kept)
+
+
+def _laid_out(t: Array, points: Array, limit: Array) -> Indices:
+    """Spread vertices so that each chord has about the allowed sagitta."""
+    steps = np.diff(t)
+    slopes = np.diff(points, axis=0) / steps[:, None]
+    kinks = np.diff(slopes, axis=0)
+    jump = np.sqrt(np.einsum("md,md->m", kinks, kinks))
+    # Each vertex stands for a kink J over the mean h of its two steps: h sqrt(J / h / (8 limit)).
+    share = np.sqrt(jump * (steps[1:] + steps[:-1]) / (16 * limit))
+    sums = np.concatenate(([0.0], np.minimum(share, 1.0).cumsum()))
+    whole = np.floor(sums)
+    inner = np.flatnonzero(whole[1:] > whole[:-1]) + 1
+    return np.concatenate(([0], inner, [len(t) - 1]))
+
+
+def _offsets(t: Array, points: Array, kept: Indices) -> tuple[Array, Indices]:
+    """Distance of every vertex from the chord of its group, and the group of each."""
+    group = np.arange(len(kept) - 1).repeat(np.diff(kept))
+    start, stop = t[kept[:-1]], t[kept[1:]]
+    slope = (points[kept[1:]] - points[kept[:-1]]) / (stop - start)[:, None]
+    off = points[:-1] - points[kept[:-1]][group]
+    off -= (t[:-1] - start[group])[:, None] * slope[group]
+    return np.sqrt(np.einsum("md,md->m", off, off)), group
+
+
+def _deviations(
+    t: Array, points: Array, limit: Array, kept: Indices
+) -> tuple[Array, Indices]:
+    """Largest distance over its limit in each group, and the vertex where it is."""
+    off, _ = _offsets(t, points, kept)
+    off[1:] /= limit
+    off[kept[:-1]] = 0.0
+    largest = np.maximum.reduceat(off, kept[:-1])
+    bad = largest > 1.0
+    worst = np.zeros(len(largest), dtype=np.intp)
+    if bad.any():
+        marks = np.where(bad, largest, np.inf).repeat(np.diff(kept))
+        hits = np.flatnonzero(off == marks)
+        places = np.minimum(hits.searchsorted(kept[:-1]), len(hits) - 1)
+        worst[bad] = hits[places[bad]]
+    return largest, worst
+
+
+def _merged(t: Array, points: Array, limit: Array, kept: Indices, side: int) -> Indices:
+    """Merge groups 2i + side and 2i + 1 + side where one chord serves both."""
+    dropped = np.arange(1 + side, len(kept) - 1, 2)
+    if not len(dropped):
+        return kept
+    mask = np.ones(len(kept), dtype=bool)
+    mask[dropped] = False
+    coarse = kept[mask]
+    largest, _ = _deviations(t, points, limit, coarse)
+    # Vertex kept[j] (j dropped) lies in the coarse group that starts at kept[j - 1].
+    group = coarse.searchsorted(kept[dropped], "right") - 1
+    mask[dropped[largest[group] > 1.0]] = True
+    return kept[mask]
+
+
+def _absolute(t: Array, points: Array, kept: Indices) -> Array:
+    off, _ = _offsets(t, points, kept)
+    off[kept[:-1]] = 0.0
+    slack = 16 * np.finfo(np.float64).eps * np.sqrt(points.shape[1]) * float(np.abs(points).max())
+    largest = np.maximum.reduceat(off, kept[:-1])
+    return np.asarray(np.where(np.diff(kept) > 1, largest + slack, 0.0))

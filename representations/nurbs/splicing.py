@@ -1,0 +1,162 @@
+"""Following a polyline on a part of T while everything outside stays as it is (Grimm-Ayers 6.2).
+
+Instead of pinning the outside by interpolation conditions as the paper does, the control points
+that reach outside are computed (`joining`) and only the others are unknown, so the system stays
+banded. Knots: the old ones inside to begin with, more where the fit fails (`refinement`), fewer and
+better placed ones when there are clearly too many (`equalizing`), so that repeated edits of one
+place accumulate nothing.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, TypeVar
+
+import numpy as np
+
+from multirep.arrays import Array
+from multirep.edit import Edit
+from multirep.errors import InvalidCurveError, ParameterError, ToleranceError
+from multirep.representations.nurbs.joining import WeightError, Window
+from multirep.representations.nurbs.problem import Breakpoints, Course, Problem, Trial
+from multirep.representations.nurbs.refinement import heights, merged_breakpoints
+from multirep.representations.nurbs.search import CORNER_HEIGHT, searched
+from multirep.sampled import SampledSplice
+from multirep.splices import SpliceList
+
+if TYPE_CHECKING:
+    from multirep.representations.nurbs.curve import Nurbs
+
+N = TypeVar("N", bound="Nurbs")
+
+
+def spliced(curve: N, sampled: SampledSplice, tolerance: float) -> Edit[N]:
+    """Return the curve that follows ``sampled`` on its interval."""
+    if sampled.dimension != curve.dimension:
+        raise InvalidCurveError(
+            f"a curve in {curve.dimension} coordinates cannot follow samples in "
+            f"{sampled.dimension}"
+        )
+    start, stop = float(sampled.t[0]), float(sampled.t[-1])
+    domain = curve.domain
+    if start < domain.start or stop > domain.stop:
+        raise ParameterError(f"the splice {sampled.interval} leaves the domain {domain}")
+    course = Course.from_sampled(sampled, tolerance)
+    _check_gaps(curve, course, tolerance)
+    window = Window.of(curve, start, stop, course.points)
+    problem = Problem(curve.degree, course, window)
+    forced, begin = _beginning(curve, window, course, start, stop)
+    try:
+        trial, proof = searched(problem, begin, forced, tolerance)
+    except WeightError:
+        raise ToleranceError(
+            f"the weights around [{start!r}, {stop!r}] vary too much to be continued inside",
+            tolerance=tolerance,
+        ) from None
+    return _assembled(curve, window, trial, float(proof.max()))
+
+
+def _check_gaps(curve: Nurbs, course: Course, tolerance: float) -> None:
+    """Refuse at once when the curve outside does not meet the course within the allowance."""
+    ends = [
+        (at, i)
+        for at, i, end in (
+            (float(course.t[0]), 0, curve.domain.start),
+            (float(course.t[-1]), -1, curve.domain.stop),
+        )
+        if at != end
+    ]
+    for at, i in ends:
+        off = curve(at) - course.points[i]
+        gap = float(np.sqrt(off @ off))
+        if gap > course.allowance[i]:
+            raise ToleranceError(
+                f"the curve outside is {gap:.3g} away from the samples at t = {at!r}, "
+                f"more than the allowed {float(course.allowance[i]):.3g}",
+                tolerance=tolerance,
+                reachable=gap,
+                where=at,
+            )
+
+
+def _beginning(
+    curve: Nurbs, window: Window, course: Course, start: float, stop: float
+) -> tuple[Array, Breakpoints]:
+    """Return knots that must stay inside, and breakpoints to begin with.
+
+    Where the window ends at a knot, the p knots from there on stay, if they can: then nothing
+    changes outside, not by a bit. Rational curves keep p knots in any case: their weights are
+    continued from outside.
+    """
+    p = curve.degree
+    low = window.first + 1 if window.start is None else p + 1
+    high = window.last + 1 if window.stop is None else curve.size
+    inside = curve._knots.window(low, max(high, low))
+    inner = inside[(inside > start) & (inside < stop)]
+    left = right = 1
+    forced = np.empty(0)
+    if window.start is None:
+        left = int(inside.searchsorted(start, "right"))
+        if left or window.rational:
+            forced = inside[:p]
+        left = max(left, 1)
+    else:
+        left = p + 1
+    if window.stop is None:
+        right = len(inside) - int(inside.searchsorted(stop, "left"))
+        if right or window.rational:
+            forced = np.concatenate((forced, inside[max(len(inside) - p, 0) :]))
+        right = max(right, 1)
+    else:
+        right = p + 1
+    forced = forced[(forced > start) & (forced < stop)]
+    distinct = inner
+    full = np.empty(0)
+    if len(inner) and bool((inner[1:] == inner[:-1]).any()):
+        distinct, times = np.unique(inner, return_counts=True)
+        full = distinct[times >= p] if p > 1 else full
+    begin = Breakpoints(
+        np.concatenate(([start], distinct, [stop])),
+        np.concatenate(([left], np.ones(len(distinct), dtype=np.intp), [right])),
+    )
+    if len(course.t) > 2:
+        height = heights(course)
+        corners = course.t[1:-1][height > CORNER_HEIGHT]
+        if len(full):  # old corners stay corners where the course has a kink to speak of
+            kinks = course.t[1:-1][height > 1.0]
+            corners = np.union1d(corners, full[np.isin(full, kinks)])
+        if len(corners):
+            begin = merged_breakpoints(begin, corners, [corners], p)
+    return np.unique(forced), begin
+
+
+def _assembled(curve: N, window: Window, trial: Trial, bound: float) -> Edit[N]:
+    """Put the window into the curve, and say where it changed."""
+    p, domain = curve.degree, curve.domain
+    _, _, first, last = window.pinned(trial.knots)
+    count = trial.count
+    points, weights = trial.points, trial.weights
+    knots, rows, bottoms = curve._knots, curve._points, curve._weights
+    low_knot, low = (window.first + 1, window.first - p + 1) if window.start is None else (0, 0)
+    high_knot, high = (
+        (window.last + 1, window.last) if window.stop is None else (len(knots), len(rows))
+    )
+    inner = trial.knots[len(window.outer_left) : len(trial.knots) - len(window.outer_right)]
+    # Fixed rows that did not change are copies: put only what did change into the arrays.
+    skip_left = min(first, p) if window.start is None else 0
+    skip_right = min(count - 1 - last, p) if window.stop is None else 0
+    begin, end = skip_left, count - skip_right
+    new_knots = knots.replaced(low_knot, high_knot, inner)
+    new_rows = rows.replaced(low + skip_left, high - skip_right, points[begin:end])
+    new_weights = None
+    if bottoms is not None:
+        if weights is None:
+            weights = np.full(count, bottoms[low])
+        new_weights = bottoms.replaced(low + skip_left, high - skip_right, weights[begin:end])
+    value = curve._with(knots=new_knots, points=new_rows, weights=new_weights)
+    at = trial.breakpoints.at
+    start, stop = float(at[0]), float(at[-1])
+    if window.start is None and skip_left < p:
+        start = max(float(trial.knots[skip_left]), domain.start)
+    if window.stop is None and skip_right < p:
+        stop = min(float(trial.knots[count - skip_right + p]), domain.stop)
+    return Edit(value, SpliceList([(start, stop)]), bound=bound)
