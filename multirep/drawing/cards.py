@@ -81,15 +81,15 @@ def panel(subject: Subject, kind: str, box: Box, lower: Array, upper: Array) -> 
         representation = curve.representations.get(kind)
         if representation is None:
             continue
-        items += changed_stretches(curve, representation, frame, subject.y_up, 11.0)
-        page = _page(representation, representation.domain, frame, subject.y_up)
-        items.append(Lines((page,), colour, 1.9))
 
         def place(t: Array, points: Array) -> Array:
             return frame(flatten(t, points, y_up=subject.y_up))
 
-        drawn.append(draw_controls(representation, place, colour))
-        items += drawn[-1].items
+        controls = draw_controls(representation, place, colour)
+        page = _page(representation, representation.domain, frame, subject.y_up)
+        items += changed_stretches(curve, representation, frame, subject.y_up, 11.0)
+        items += [*controls.polygon, Lines((page,), colour, 1.9), *controls.items]
+        drawn.append(controls)
     sizes = sum(c.representations[kind].size for c in subject.curves if kind in c.representations)
     notes = "; ".join(dict.fromkeys(controls.note for controls in drawn))
     return Group(

@@ -26,10 +26,14 @@ Place = Callable[[Array, Array], Array]
 
 @frozen(eq=False)
 class Controls:
-    """The drawn controls, a note on what they are, and the colour of each wavelet level."""
+    """The drawn controls, a note on what they are, and the colour of each wavelet level.
+
+    ``polygon`` belongs under the curve, ``items`` above it.
+    """
 
     items: tuple[Item, ...] = ()
     note: str = ""
+    polygon: tuple[Item, ...] = ()
     levels: tuple[tuple[int, str], ...] = ()
 
 
@@ -82,7 +86,7 @@ def _nurbs(
 ) -> Controls:
     radius = float(np.clip(220.0 / len(chosen), 1.7, 3.2))
     weighted = np.asarray(shown.weights, float)[chosen] != 1.0
-    items: list[Item] = [] if thinned else [Lines((page,), FAINT, 1.0)]
+    items: list[Item] = []
     ticks, count = _knot_ticks(shown, place)
     if ticks:
         items.append(Lines(tuple(ticks), colour, 1.2, opacity=0.8))
@@ -91,7 +95,7 @@ def _nurbs(
     if weighted.any():
         items.append(Marks(page[weighted], "square", radius, colour, colour, 1.3))
         note += "; filled: weight not 1"
-    return Controls(tuple(items), note)
+    return Controls(tuple(items), note, _polygon(page, thinned))
 
 
 def _knot_ticks(shown: Any, place: Place) -> tuple[list[Array], int]:
@@ -123,7 +127,7 @@ def _knot_ticks(shown: Any, place: Place) -> tuple[list[Array], int]:
 def _wavelet(shown: Any, page: Array, chosen: Indices, thinned: str) -> Controls:
     levels = wavelet_levels(np.asarray(shown.knots, float))[chosen]
     present = range(int(levels.min()), int(levels.max()) + 1)
-    items: list[Item] = [] if thinned else [Lines((page,), FAINT, 0.8)]
+    items: list[Item] = []
     shades: list[tuple[int, str]] = []
     for level in present:
         members = page[levels == level]
@@ -132,7 +136,13 @@ def _wavelet(shown: Any, page: Array, chosen: Indices, thinned: str) -> Controls
             share = (level - present.start) / max(len(present) - 1, 1)
             radius = (4.2 - 2.2 * share) * (0.75 if len(page) > 150 else 1.0)
             items.append(Marks(members, "circle", radius, shades[-1][1], CARD, 0.7))
-    return Controls(tuple(items), f"coloured by level{thinned}", tuple(shades))
+    note = f"coloured by level{thinned}"
+    return Controls(tuple(items), note, _polygon(page, thinned), tuple(shades))
+
+
+def _polygon(page: Array, thinned: str) -> tuple[Item, ...]:
+    """Join the control points, unless some are left out."""
+    return () if thinned else (Lines((page,), FAINT, 1.0),)
 
 
 def wavelet_levels(knots: Array) -> Array:
