@@ -79,6 +79,14 @@ def test_a_polyline_off_the_curve_is_charged_for_its_vertices() -> None:
     assert true.max() <= bound.max() <= 0.01 * np.sqrt(2) + 1 / 64 / 8 + 1e-9
 
 
+def test_either_end_of_a_chord_counts() -> None:
+    """One vertex off the curve raises the bound of both its chords."""
+    t = np.array([0.0, 1.0, 2.0, 3.0])
+    line = np.stack([t, t], axis=1)
+    points = line + np.array([[0, 0], [0, 0], [0, 1], [0, 0]])
+    assert chord_deviation(t, points, line, 0.0) == pytest.approx([0, 1, 1], abs=1e-12)
+
+
 @pytest.mark.parametrize("tolerance", [1e-1, 1e-3, 1e-5, 1e-7])
 def test_any_curve_is_sampled_by_its_second_derivative(tolerance: float) -> None:
     """A corner at 1 is a sample; the count is near the optimum."""

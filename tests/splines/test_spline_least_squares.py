@@ -107,6 +107,15 @@ def test_rows_that_do_not_determine_the_points_are_refused() -> None:
             )
 
 
+@given(st.lists(st.integers(0, 8).map(lambda k: k / 8), min_size=3, max_size=3, unique=True))
+def test_a_pivot_that_is_only_rounding_is_refused_too(places: list[float]) -> None:
+    """Three distinct parameters do not determine four control points, whatever rounding says."""
+    knots = np.repeat([0.0, 1.0], 4)
+    t = np.repeat(sorted(places), 30)
+    with pytest.raises(np.linalg.LinAlgError, match="do not determine"):
+        solve_window(knots, 3, np.zeros((4, 1)), slice(0, 4), t, t[:, None], np.ones(len(t)))
+
+
 @given(
     dyadic_splines(),
     st.lists(FRACTIONS, min_size=2, max_size=12, unique=True),
