@@ -301,6 +301,11 @@ class VetoConstraint(Constraint[LoopbackRepresentation]):
         raise EditError(f"changes on {self.interval} are vetoed")
 
 
+def follower_of(value: Representation) -> type[LoopbackRepresentation]:
+    """Return a kind of loopback that is not the kind of ``value``: a partner that follows it."""
+    return CountingRepresentation if value.name == "loopback" else LoopbackRepresentation
+
+
 def faulty_tools(
     kind: type[Representation], operation: Callable[[Any], Edit[Any]]
 ) -> dict[str, Tool[Any]]:
