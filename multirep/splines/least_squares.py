@@ -13,10 +13,10 @@ from multirep.splines.basis import basis_functions, find_spans
 
 __all__ = ["polyline_rows", "solve_window"]
 
-# A Cholesky pivot this small against its diagonal entry (1e-10 of it, the root here) means that the
-# rows do not determine the unknown. With more than p + 1 rows in every span the ratio was above 1e-4
-# for random knots, weights and degrees up to 12; where the matrix is singular, rounding leaves up to
-# 1e-12.
+# A Cholesky pivot this small against its diagonal entry (1e-10 of it, the root here) means that
+# the rows do not determine the unknown. With more than p + 1 rows in every span the ratio was above
+# 1e-4 for random knots, weights and degrees up to 12; where the matrix is singular, rounding leaves
+# up to 1e-12.
 _SMALLEST_PIVOT = 1e-5
 
 
