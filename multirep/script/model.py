@@ -60,12 +60,15 @@ class CurveSpec:
         Where the geometry comes from.
     representations : tuple of str or None
         Which representations are kept; None means all that are registered.
+    line : int or None
+        Where the script has it, as far as known.
     """
 
     name: str = field(validator=_name)
     tolerance: float = field(validator=validators.gt(0))
     source: Source
     representations: tuple[str, ...] | None = None
+    line: int | None = None
 
 
 @frozen

@@ -147,7 +147,8 @@ class _Reader:
         curves: dict[str, CurveSpec] = {}
         for index, table in enumerate(entries):
             with self.at("curve", index, total=len(entries)):
-                curve = self._curve(table, tolerance)
+                line = _line(self.text, "curve", index, len(entries))
+                curve = evolve(self._curve(table, tolerance), line=line)
                 if curve.name in curves:
                     raise Mismatch(f"another curve is already called {quote(curve.name)}", "name")
                 curves[curve.name] = curve
@@ -156,7 +157,9 @@ class _Reader:
     def _curve(self, table: Mapping[str, Any], tolerance: float | None) -> CurveSpec:
         check_keys(table, (*CURVE_KEYS, *SOURCE_KEYS), "a curve")
         plain = {key: table[key] for key in CURVE_KEYS if key in table}
-        kinds = structure(plain.get("representations"), tuple[str, ...] | None)  # type: ignore[arg-type]
+        kinds = None
+        if "representations" in plain:
+            kinds = _structure_key(plain, "representations", tuple[str, ...])
         known = list(self.registry.representations)
         if kinds is not None:
             _check_names(kinds, "representation", known, "representations")
@@ -169,8 +172,10 @@ class _Reader:
         for key in ("name", "tolerance"):
             if key not in plain:
                 raise Mismatch("missing", key)
-        epsilon = structure(plain["tolerance"], float) if tolerance is None else tolerance
-        name = structure(plain["name"], str)
+        epsilon = _structure_key(plain, "tolerance", float)
+        if tolerance is not None:
+            epsilon = tolerance
+        name = _structure_key(plain, "name", str)
         try:
             return CurveSpec(name, epsilon, source, kinds)
         except ValueError as error:
@@ -253,7 +258,7 @@ def _tables(value: object, name: str, most: int) -> list[Mapping[str, Any]]:
     return value
 
 
-def _structure_key(table: Mapping[str, Any], key: str, cls: type[Any]) -> Any:
+def _structure_key(table: Mapping[str, Any], key: str, cls: Any) -> Any:
     try:
         return structure(table[key], cls)
     except Mismatch as error:

@@ -153,9 +153,11 @@ def _build(path: Path, index: int, spec: CurveSpec, registry: Registry) -> Multi
         )
         return MultiRepresentation(author, tolerance=spec.tolerance, kinds=kinds)
     except ToleranceError as error:
-        raise ScriptError(str(error), file=str(path), key=f"curve[{index}].tolerance") from error
+        key = f"curve[{index}].tolerance"
+        raise ScriptError(str(error), file=str(path), line=spec.line, key=key) from error
     except (MultirepError, ValueError) as error:
-        raise ScriptError(str(error), file=str(path), key=f"curve[{index}]") from error
+        key = f"curve[{index}]"
+        raise ScriptError(str(error), file=str(path), line=spec.line, key=key) from error
 
 
 class _History:

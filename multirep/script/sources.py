@@ -130,7 +130,7 @@ def _nurbs(value: object, file: str) -> NurbsSource:
 def _table_of(path: Path, key: str, list_key: str = "") -> dict[str, Any]:
     """Read a JSON file that holds an object (without its remarks), or a bare list of points."""
     if not path.is_file():
-        raise Mismatch(f"no such file: {quote(str(path))}", key)
+        raise Mismatch(f"no such file: {str(path)!r}", key)
     data = read_json(path)
     if isinstance(data, list) and not list_key:
         return {"points": data}
@@ -145,7 +145,7 @@ def _read_svg(table: _SvgTable, folder: Path) -> NurbsSource:
 
     path = folder / table.svg
     if not path.is_file():
-        raise Mismatch(f"no such file: {quote(str(path))}", "svg")
+        raise Mismatch(f"no such file: {str(path)!r}", "svg")
     try:
         fill = None if table.fill is None else parse_color(table.fill)
     except ValueError as error:
@@ -167,11 +167,11 @@ def _read_svg(table: _SvgTable, folder: Path) -> NurbsSource:
             ids = sorted({name for subpath in drawing.subpaths for name in subpath.ids})
             fills = sorted({str(subpath.fill or "none") for subpath in drawing.subpaths})
             known = ", ".join((ids if key == "id" else fills)[:20]) or "none"
-            raise Mismatch(f"{quote(str(path))} has no {those}; it has {key}s {known}", key)
+            raise Mismatch(f"{str(path)!r} has no {those}; it has {key}s {known}", key)
         raise ScriptError("has no sub-path to draw", file=str(path))
     if table.element >= len(found):
         raise Mismatch(
-            f"expected 0 to {len(found) - 1}: {quote(str(path))} has {len(found)} {those}; "
+            f"expected 0 to {len(found) - 1}: {str(path)!r} has {len(found)} {those}; "
             f"got {table.element}",
             "element",
         )
@@ -179,9 +179,7 @@ def _read_svg(table: _SvgTable, folder: Path) -> NurbsSource:
     try:
         outline = join(subpath.segments)
     except ValueError as error:
-        raise Mismatch(
-            f"sub-path {table.element} of {quote(str(path))}: {error}", "element"
-        ) from None
+        raise Mismatch(f"sub-path {table.element} of {str(path)!r}: {error}", "element") from None
     notes = [f"in the user units of {table.svg}"]
     if drawing.to_pixels:
         notes[0] += f" (to pixels: {drawing.to_pixels}, not applied)"

@@ -94,7 +94,7 @@ SCRIPTS = {
     ),
     "unknown tool": (
         step('curve = "c"\ntool = "spatla"'),
-        ["bad.toml:10", "step 1", "tool", "did you mean 'spatula'"],
+        ["bad.toml:11", "step 1", "tool", "did you mean 'spatula'"],
     ),
     "unknown constraint": (
         step('curve = "c"\nconstrain = "nail"'),
@@ -102,7 +102,7 @@ SCRIPTS = {
     ),
     "unknown curve": (step('curve = "d"\ntool = "sweep"'), ["step 1", "curve", "'d'", "'c'"]),
     "no curve in a step": (step('tool = "sweep"'), ["step 1", "curve", "missing"]),
-    "neither tool nor undo": (step('curve = "c"'), ["step 1", "exactly one of", "only curve"]),
+    "neither tool nor undo": (step('curve = "c"'), ["step 1", "exactly one of", "only 'curve'"]),
     "tool and undo": (step('curve = "c"\ntool = "x"\nundo = 1'), ["step 1", "'tool' and 'undo'"]),
     "unknown parameter": (
         step('curve = "c"\ntool = "move-vertex"\nindx = 1\nto = [0, 0]'),
@@ -122,7 +122,7 @@ SCRIPTS = {
     ),
     "out of range": (
         step('curve = "c"\ntool = "move-vertex"\nindex = 99\nto = [0, 0]'),
-        ["bad.toml:10", "step 1", "move-vertex", "99"],
+        ["bad.toml:11", "step 1", "move-vertex", "99"],
     ),
     "wrong dimension": (
         step('curve = "c"\ntool = "move-vertex"\nindex = 1\nto = [0, 0, 0]'),
