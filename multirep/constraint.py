@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import abc
-from typing import ClassVar, Generic, TypeVar
+from collections.abc import Mapping
+from typing import Any, ClassVar, Generic, TypeVar
 
 from multirep.edit import Edit
 from multirep.interval import Interval
@@ -18,7 +19,12 @@ class Constraint(abc.ABC, Generic[R]):
     """A frozen attrs class: a condition on one kind of representation, always active.
 
     You must set ``name`` and ``needs`` and override :meth:`region`, :meth:`residual` and
-    :meth:`enforce`.
+    :meth:`enforce`. You may override what stands below the second line.
+
+    After every change the framework asks the constraints whose region the change touches for
+    their residuals, and lets those that do not hold re-establish themselves, in rounds, until all
+    hold. It may be the change of another constraint that woke yours. If that goes round in circles
+    the whole edit is rejected (:class:`~multirep.errors.ConflictError`).
     """
 
     __slots__ = ()
@@ -29,6 +35,9 @@ class Constraint(abc.ABC, Generic[R]):
     needs: ClassVar[type[Representation]]
     #: Groups are settled from high to low.
     priority: ClassVar[int] = 0
+    #: Constraints of one family are solved together where their regions overlap, by one call of
+    #: :meth:`enforce_together`; None: each for itself.
+    family: ClassVar[str | None] = None
 
     @abc.abstractmethod
     def region(self, value: R, /) -> Interval:
@@ -39,8 +48,35 @@ class Constraint(abc.ABC, Generic[R]):
 
     @abc.abstractmethod
     def residual(self, value: R, /) -> float:
-        """How far the condition is from holding, in the units of the points; 0 when it holds."""
+        """How far the condition is from holding, in the units of the points; 0 when it holds.
+
+        Below a billionth of the size of the curve it counts as holding.
+        """
 
     @abc.abstractmethod
     def enforce(self, value: R, change: SpliceList, scene: Scene, /) -> Edit[R]:
-        """Return an edit after which the condition holds; ``change`` woke the constraint."""
+        """Return an edit after which the condition holds; ``change`` woke the constraint.
+
+        ``scene.frozen`` is where the curve may not change, ``scene.aims`` what the tool asked for.
+        Raise :class:`~multirep.errors.ConflictError` when it cannot hold.
+        """
+
+    # -- may override ------------------------------------------------------------------------------
+
+    @classmethod
+    def enforce_together(
+        cls, group: Mapping[str, Constraint[Any]], value: R, change: SpliceList, scene: Scene, /
+    ) -> Edit[R]:
+        """Return an edit after which all of ``group`` hold: constraints of this family by name.
+
+        Called only when ``family`` is set, on the class of the first of them. Raise
+        :class:`~multirep.errors.ConflictError` with the names of those that exclude each other.
+        """
+        raise NotImplementedError(f"{cls.__name__} sets a family but no enforce_together")
+
+    def frozen(self, value: R, /) -> SpliceList:
+        """Return the stretches that nothing may change from now on, not by a bit; none by default.
+
+        Asked once, when the constraint is added.
+        """
+        return SpliceList.EMPTY

@@ -6,8 +6,12 @@ thing, and carries what it is about as attributes; the message holds the numbers
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from difflib import get_close_matches
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from multirep.splices import SpliceList
 
 
 class MultirepError(Exception):
@@ -131,7 +135,7 @@ class EditRejectedError(EditError):
 
 
 class ConflictError(MultirepError, RuntimeError):
-    """Constraints cannot all be re-established after an edit; nothing was changed.
+    """An edit and the constraints cannot all have their way; nothing was changed.
 
     Parameters
     ----------
@@ -143,6 +147,11 @@ class ConflictError(MultirepError, RuntimeError):
         What each is off by, in the units of the points.
     cycle : sequence of str
         The names on the cycle "re-establishing X broke Y", if there is one.
+    where : mapping of str to SpliceList
+        The stretch of T that each claims.
+    release : sequence of str
+        The smallest set of constraints without which the edit goes through, as far as one was
+        found; empty otherwise.
     """
 
     def __init__(
@@ -150,13 +159,28 @@ class ConflictError(MultirepError, RuntimeError):
         message: str,
         *,
         constraints: Iterable[str] = (),
-        residuals: dict[str, float] | None = None,
+        residuals: Mapping[str, float] | None = None,
         cycle: Iterable[str] = (),
+        where: Mapping[str, SpliceList] | None = None,
+        release: Iterable[str] = (),
     ) -> None:
         super().__init__(message)
         self.constraints = tuple(constraints)
         self.residuals = dict(residuals or {})
         self.cycle = tuple(cycle)
+        self.where = dict(where or {})
+        self.release = tuple(release)
+
+    def __str__(self) -> str:
+        message = str(self.args[0])
+        if not self.release:
+            return message
+        names = " and ".join(map(repr, self.release))
+        return f"{message}; releasing {names} lets it through"
+
+
+class FrozenError(ConflictError):
+    """An edit would change a frozen stretch; ``constraints`` names what froze it."""
 
 
 class HistoryError(MultirepError, IndexError):

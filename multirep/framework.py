@@ -2,22 +2,32 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from time import perf_counter
 from typing import Any
 
 import attrs
 
+from multirep.aim import Aim
+from multirep.conflicts import smallest_release
 from multirep.constraint import Constraint
 from multirep.edit import Edit
-from multirep.errors import EditRejectedError, MultirepError, PluginError, UnknownNameError
+from multirep.errors import (
+    ConflictError,
+    EditRejectedError,
+    MultirepError,
+    PluginError,
+    UnknownNameError,
+)
 from multirep.events import Event, Fitted, Sampled
 from multirep.multirepresentation import MultiRepresentation
+from multirep.representation import Representation
 from multirep.scene import Scene
-from multirep.settling import Settled, settle
+from multirep.settling import Settled, Settlement, clear_of_ice, guarded, misses, region_of, settle
 from multirep.splices import SpliceList
 from multirep.state import State
+from multirep.synchronization import check_edit
 from multirep.tool import Tool
 
 
@@ -44,12 +54,15 @@ class Outcome:
         The touched constraints with their residuals, in the units of the points.
     rounds : int
         Rounds of re-establishing.
+    faded : SpliceList
+        Frozen stretches before which the edit was faded out; see :mod:`multirep.blending`.
     """
 
     changed: SpliceList
     work: Work
     constraints: tuple[Settled, ...] = ()
     rounds: int = 0
+    faded: SpliceList = SpliceList.EMPTY
 
 
 @attrs.frozen(eq=False)
@@ -125,24 +138,63 @@ class Framework:
         name = name or _fresh(constraint.name, held)
         if name in held:
             raise MultirepError(f"curve {curve!r} has a constraint named {name!r} already")
-        with self._everything_or_nothing(curve), _measured(target) as measured:
-            held[name] = constraint
-            region = SpliceList([constraint.region(target.view(constraint.needs))])
-            settlement = settle(target, held, region, self.scene)
+
+        def add() -> Settlement:
+            return self._add(curve, name, constraint)
+
+        with _measured(target) as measured, self._way_out(curve, add):
+            settlement = add()
         changed = settlement.changed if settlement.rounds else SpliceList.EMPTY
         return name, Outcome(changed, measured.work, settlement.constraints, settlement.rounds)
 
     def release(self, curve: str, name: str) -> None:
-        """Remove a constraint."""
-        self.curve(curve)
+        """Remove a constraint; what it kept frozen is free again."""
+        target = self.curve(curve)
         if name not in self._constraints[curve]:
             raise UnknownNameError("constraint", name, self._constraints[curve])
-        del self._constraints[curve][name]
+        with self._everything_or_nothing(curve):
+            if name in target.claims:
+                target.thaw(name)
+            del self._constraints[curve][name]
+
+    def _add(self, curve: str, name: str, constraint: Constraint[Any]) -> Settlement:
+        target = self._curves[curve]
+        with self._everything_or_nothing(curve):
+            self._constraints[curve][name] = constraint
+            value = target.view(constraint.needs)
+            region = SpliceList([region_of(name, constraint, value)])
+            settlement = settle(target, self._constraints[curve], region, self._scene(target))
+            frozen = guarded(name, constraint.frozen, target.view(constraint.needs))
+            if frozen:
+                target.freeze(name, frozen)
+        return settlement
+
+    def set_tolerance(self, curve: str, tolerance: float) -> Outcome:
+        """Change the tolerance of a curve; constraints that this disturbs are re-established.
+
+        Raises
+        ------
+        ToleranceError
+            When the tolerance is too small.
+        ConflictError
+            When a frozen stretch does not meet it, or the constraints cannot be re-established.
+        """
+        target = self.curve(curve)
+        with self._everything_or_nothing(curve), _measured(target) as measured:
+            target.tolerance = tolerance
+            everywhere = SpliceList([target.domain])
+            settlement = settle(
+                target, self._constraints[curve], everywhere, self._scene(target)
+            )
+        changed = settlement.changed if settlement.rounds else SpliceList.EMPTY
+        return Outcome(changed, measured.work, settlement.constraints, settlement.rounds)
 
     # -- the loop ----------------------------------------------------------------------------------
 
     def apply(self, curve: str, tool: Tool[Any]) -> Outcome:
         """Apply a tool: view, edit, commit, re-establish constraints, bring the view up to date.
+
+        An edit that reaches into a frozen stretch is faded out before it.
 
         Raises
         ------
@@ -151,32 +203,96 @@ class Framework:
         PluginError
             When the tool fails or breaks its contract.
         ConflictError
-            When the constraints cannot be re-established.
+            When the constraints cannot be re-established or a frozen stretch forbids the edit; it
+            says which constraints, where, and which to release.
 
         Whatever is raised, the curve is as it was.
         """
         target = self.curve(curve)
-        with self._everything_or_nothing(curve), _measured(target) as measured:
-            edit = self._edit(target, tool)
-            settlement = settle(target, self._constraints[curve], edit.splices, self.scene)
+
+        def run() -> tuple[Settlement, SpliceList]:
+            return self._run(curve, tool)
+
+        with _measured(target) as measured, self._way_out(curve, run):
+            settlement, faded = run()
+        return Outcome(
+            settlement.changed, measured.work, settlement.constraints, settlement.rounds, faded
+        )
+
+    def _run(self, curve: str, tool: Tool[Any]) -> tuple[Settlement, SpliceList]:
+        target, constraints = self._curves[curve], self._constraints[curve]
+        by = f"tool {tool.name!r}"
+        with self._everything_or_nothing(curve):
+            edit, aims, faded = self._edit(target, tool, bool(constraints))
+            settlement = settle(
+                target,
+                constraints,
+                edit.splices,
+                self._scene(target, aims),
+                kind=tool.edits,
+                by=by,
+            )
+            for name, constraint in _of_tool(tool, tool.constrains, dict(constraints)).items():
+                if name in constraints:
+                    self.release(curve, name)
+                if constraint is not None:
+                    self._add(curve, name, constraint)
             if settlement.rounds:
                 target.view(tool.edits)
-        return Outcome(settlement.changed, measured.work, settlement.constraints, settlement.rounds)
+        return settlement, faded
 
-    def _edit(self, target: MultiRepresentation, tool: Tool[Any]) -> Edit[Any]:
-        value = target.view(tool.edits)
+    def _edit(
+        self, target: MultiRepresentation, tool: Tool[Any], constrained: bool
+    ) -> tuple[Edit[Any], tuple[Aim, ...], SpliceList]:
+        value: Representation = target.view(tool.edits)
+        by = f"tool {tool.name!r}"
+        edit: Edit[Any] = _of_tool(tool, tool.edit, value, self._scene(target))
+        aims: tuple[Aim, ...] = _of_tool(tool, tool.aims, value) if constrained else ()
+        faded = SpliceList.EMPTY
         try:
-            edit: Edit[Any] = tool.edit(value, self.scene)
-            target.commit(tool.edits, edit, by=f"tool {tool.name}")
-        except PluginError:
+            if target.frozen:
+                check_edit(value, edit, by)
+                faded = edit.splices & target.frozen
+                edit = clear_of_ice(target, value, edit, by, aims)
+            target.commit(tool.edits, edit, by=by)
+        except (PluginError, ConflictError):
             raise
         except MultirepError as error:
-            raise EditRejectedError(f"tool {tool.name!r}: {error}", tool.name) from error
-        except Exception as error:
-            raise PluginError(
-                f"tool {tool.name!r} failed with {type(error).__name__}: {error}", tool.name
-            ) from error
-        return edit
+            raise EditRejectedError(f"{by}: {error}", tool.name) from error
+        reached = tuple(aim for aim in aims if misses(aim, edit.value) <= target.tolerance)
+        return edit, reached, faded
+
+    def _scene(self, target: MultiRepresentation, aims: tuple[Aim, ...] = ()) -> Scene:
+        return Scene(dict(self._curves), target.frozen, aims)
+
+    @contextmanager
+    def _way_out(self, curve: str, attempt: Callable[[], object]) -> Iterator[None]:
+        """Add to a conflict the smallest set of constraints whose release lets the attempt through.
+
+        The attempt must leave everything as it was when it raises.
+        """
+        try:
+            yield
+        except ConflictError as error:
+            names = self._constraints[curve]
+            suspects = [name for name in error.constraints if name in names]
+            error.release = smallest_release(
+                suspects, list(names), lambda chosen: self._goes_through(curve, chosen, attempt)
+            )
+            raise
+
+    def _goes_through(
+        self, curve: str, without: frozenset[str], attempt: Callable[[], object]
+    ) -> bool:
+        """Whether an attempt succeeds without some constraints; everything is as before then."""
+        try:
+            with self._everything_or_nothing(curve):
+                for name in without:
+                    self.release(curve, name)
+                attempt()
+                raise _TakeBack
+        except _TakeBack:
+            return True
 
     # -- snapshots ---------------------------------------------------------------------------------
 
@@ -203,6 +319,24 @@ class Framework:
                 self._constraints[curve].clear()
                 self._constraints[curve].update(constraints)
                 raise
+
+
+class _TakeBack(Exception):
+    """Ends a trial that succeeded."""
+
+
+def _of_tool(tool: Tool[Any], method: Callable[..., Any], *arguments: Any) -> Any:
+    """Call a method of a tool; whatever it raises becomes an error that names it."""
+    try:
+        return method(*arguments)
+    except (PluginError, ConflictError):
+        raise
+    except MultirepError as error:
+        raise EditRejectedError(f"tool {tool.name!r}: {error}", tool.name) from error
+    except Exception as error:
+        raise PluginError(
+            f"tool {tool.name!r} failed with {type(error).__name__}: {error}", tool.name
+        ) from error
 
 
 class _Measured:

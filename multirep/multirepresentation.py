@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from typing import TypeVar, overload
 
@@ -20,6 +20,7 @@ from multirep.errors import (
     UnknownNameError,
 )
 from multirep.events import Committed, Event, Skipped
+from multirep.freezing import frozen_error, with_claim, without_claim
 from multirep.interval import Interval
 from multirep.registry import Registry
 from multirep.representation import Representation
@@ -148,6 +149,16 @@ class MultiRepresentation:
         return tuple(self._kinds)
 
     @property
+    def frozen(self) -> SpliceList:
+        """Where nothing may change, in any representation; see :meth:`freeze`."""
+        return self._state.frozen
+
+    @property
+    def claims(self) -> Mapping[str, SpliceList]:
+        """What each freeze, by name, asked for."""
+        return dict(self._state.claims)
+
+    @property
     def authors(self) -> tuple[tuple[Interval, str], ...]:
         """Who last changed the curve by a tool or a constraint, stretch by stretch."""
         return tuple(self._state.authors)
@@ -221,7 +232,7 @@ class MultiRepresentation:
 
         Raises
         ------
-        StaleEditError, PluginError, UnreportedChangeError, ToleranceError
+        StaleEditError, PluginError, UnreportedChangeError, ToleranceError, FrozenError
             Nothing is changed then.
         """
         name = self._name(kind)
@@ -236,6 +247,8 @@ class MultiRepresentation:
                 f"{name!r} is not up to date on {held.stale & edit.splices}: "
                 "view it before editing it"
             )
+        if edit.splices.intersects(self._state.frozen):
+            raise frozen_error(self._state, edit.splices, by or name)
         _check_tolerance(self.tolerance, edit.value)
         state = self._state.with_held(name, Held(edit.value, held.stale))
         self._state = evolve_stale(state, name, edit.splices)
@@ -243,7 +256,7 @@ class MultiRepresentation:
 
     @property
     def tolerance(self) -> float:
-        """Epsilon, settable at any time; tightening makes stale what cannot be proved to meet it."""
+        """Epsilon, settable; tightening makes stale what cannot be proved to meet it."""
         return self._state.tolerance
 
     @tolerance.setter
@@ -251,7 +264,33 @@ class MultiRepresentation:
         for held in self._state.held.values():
             if held.value is not None:
                 _check_tolerance(tolerance, held.value)
-        self._state = with_tolerance(self._state, float(tolerance), self._emit)
+        after = with_tolerance(self._state, float(tolerance), self._emit)
+        _check_still(self._state, after)
+        self._state = after
+
+    def freeze(self, name: str, where: SpliceList | Interval) -> None:
+        """Keep a stretch bit-identical in every representation until :meth:`thaw`.
+
+        All representations are brought up to date and prepared first; see
+        :mod:`multirep.freezing`. ``frozen`` may be a sliver more than was asked for.
+
+        Raises
+        ------
+        EditError
+            When the stretch is empty or not in T, or the name is in use.
+        """
+        for kind in self._kinds:
+            self.view(kind)
+        self._state = with_claim(self._state, name, _region(where, self.domain))
+
+    def thaw(self, name: str) -> None:
+        """Release what was frozen under ``name``; stretches that others froze stay so."""
+        if name not in self._state.claims:
+            raise UnknownNameError("frozen stretch", name, self._state.claims)
+        if len(self._state.claims) > 1:
+            for kind in self._kinds:
+                self.view(kind)
+        self._state = without_claim(self._state, name)
 
     def snapshot(self) -> State:
         """Return the whole state, O(1); nothing is copied."""
@@ -316,6 +355,19 @@ def _region(where: SpliceList | Interval | None, domain: Interval) -> SpliceList
     if where is None:
         return SpliceList([domain])
     return SpliceList([where]) if isinstance(where, Interval) else where
+
+
+def _check_still(before: State, after: State) -> None:
+    """Raise when another tolerance would change a frozen stretch."""
+    if not before.frozen:
+        return
+    for name, held in after.held.items():
+        old = before.held[name].value
+        if held.value is None or old is None:
+            continue
+        moved = held.stale | old.changes(held.value)
+        if moved.intersects(before.frozen):
+            raise frozen_error(before, moved, f"the tolerance {after.tolerance:g} for {name!r}")
 
 
 def _check_tolerance(tolerance: float, curve: Representation) -> None:

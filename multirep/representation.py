@@ -86,6 +86,34 @@ class Representation(abc.ABC):
         """Return the ends that a splice covering ``interval`` would like, inside ``within``."""
         return interval
 
+    def held(
+        self, interval: Interval, keep: SpliceList = SpliceList.EMPTY
+    ) -> tuple[Edit[Self], Interval]:
+        """Prepare for ``interval`` to stay as it is bit by bit, whatever follows beside it.
+
+        Parameters
+        ----------
+        interval : Interval
+            What is going to be frozen.
+        keep : SpliceList
+            Where not a bit may change already.
+
+        Returns
+        -------
+        edit : Edit
+            The same curve up to rounding, bit-identical on ``keep``, with controls of its own at
+            the ends of ``interval`` that lie inside T.
+        guard : Interval
+            What must not be touched so that ``interval`` stays: ``interval`` itself if the
+            representation can stop there, else as little more as possible. Asked for the guard, it
+            returns the guard. A splice that ends there, and any edit outside of it, leaves
+            ``interval`` bit-identical.
+
+        The default changes nothing and trusts :meth:`splice` to change nothing beyond its ends;
+        the kernel checks what every splice reports.
+        """
+        return Edit(self, SpliceList.EMPTY), interval
+
     def changes(self, other: Self) -> SpliceList:
         """Where this value and ``other`` may differ; must cover every difference.
 

@@ -7,7 +7,9 @@ from typing import TYPE_CHECKING, TypeVar, overload
 
 import attrs
 
+from multirep.aim import Aim
 from multirep.errors import UnknownNameError
+from multirep.splices import SpliceList
 
 if TYPE_CHECKING:
     from multirep.multirepresentation import MultiRepresentation
@@ -24,9 +26,16 @@ class Scene:
     ----------
     curves : mapping of str to MultiRepresentation
         By name. A tool outside a session sees an empty scene.
+    frozen : SpliceList
+        Where the curve that is being edited may not change. An edit that reaches in is faded out
+        before the border; a tool that can do better by itself looks here.
+    aims : tuple of Aim
+        What the tool asked for, for the constraints that answer.
     """
 
     _curves: Mapping[str, MultiRepresentation] = attrs.field(factory=dict)
+    frozen: SpliceList = SpliceList.EMPTY
+    aims: tuple[Aim, ...] = ()
 
     def __iter__(self) -> Iterator[str]:
         return iter(self._curves)

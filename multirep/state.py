@@ -21,11 +21,25 @@ class Held:
 
 @attrs.frozen(eq=False)
 class State:
-    """Tolerance, held representations by name, and the authors."""
+    """Tolerance, held representations by name, the authors, and what is frozen.
+
+    Parameters
+    ----------
+    tolerance : float
+    held : mapping of str to Held
+    authors : AuthorMap
+    claims : mapping of str to SpliceList
+        What each freeze, by name, asked for: bit-identical in every representation.
+    frozen : SpliceList
+        Where nothing may change: the claims and the little around them that some representation
+        needs to hold them still (:meth:`~multirep.Representation.held`).
+    """
 
     tolerance: float
     held: Mapping[str, Held]
     authors: AuthorMap
+    claims: Mapping[str, SpliceList] = attrs.field(factory=dict)
+    frozen: SpliceList = SpliceList.EMPTY
 
     def with_held(self, name: str, held: Held) -> State:
         """Return the state with another value of one kind."""

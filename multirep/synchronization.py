@@ -61,21 +61,27 @@ def bring_up_to_date(
     held = state.held[kind.name]
     if held.value is None:
         return state.with_held(kind.name, Held(_first_fit(state, kind, emit), SpliceList.EMPTY))
-    for stale in _jobs(held.stale, where):
+    for stale in _jobs(state, kind.name, where):
         held = _splice_in(state, kind, held, stale, emit)
         state = state.with_held(kind.name, held)
     return state
 
 
-def _jobs(stale: SpliceList, where: SpliceList) -> Iterator[Interval]:
-    """Stale splices to work on; neighbours closer than they are long go together."""
+def _jobs(state: State, name: str, where: SpliceList) -> Iterator[Interval]:
+    """Stale splices to work on; neighbours closer than they are long go together.
+
+    Not across what is frozen or what ``name`` itself authored: that must not be fitted anew.
+    """
     job: Interval | None = None
-    for splice in stale:
+    for splice in state.held[name].stale:
         if not where.intersects(SpliceList([splice])):
             continue
         if job is not None and splice.start - job.stop < min(splice.length, job.length):
-            job = job.hull(splice)
-            continue
+            gap = Interval(job.stop, splice.start)
+            mine = any(author == name for _, author in state.authors.segments(gap))
+            if not (mine or state.frozen.intersects(SpliceList([gap]))):
+                job = job.hull(splice)
+                continue
         if job is not None:
             yield job
         job = splice
@@ -144,6 +150,7 @@ def _splice_in(
             last = error
             continue
         check_edit(value, edit, kind.name)
+        _check_frozen(state, edit, kind.name)
         elapsed = (perf_counter_ns() - begin) / 1000
         emit(Fitted(kind.name, target, edit.splices, edit.value.size, edit.bound, elapsed))
         return Held(edit.value, held.stale - SpliceList([target]))
@@ -156,15 +163,26 @@ def _splice_in(
 
 
 def _room(state: State, name: str, stale: SpliceList, job: Interval) -> Interval:
-    """How far a splice may reach: not into what ``name`` authored nor another stale stretch."""
+    """How far a splice may reach: not into what ``name`` authored, another stale stretch or ice."""
     room = state.authors.room(job, name)
-    others = stale - SpliceList([job])
+    others = (stale | state.frozen) - SpliceList([job])
     for other in others & SpliceList([room]):
         if other.stop <= job.start:
             room = Interval(max(room.start, other.stop), room.stop)
         else:
             room = Interval(room.start, min(room.stop, other.start))
     return room
+
+
+def _check_frozen(state: State, edit: Edit[Representation], kind: str) -> None:
+    """Raise when a splice changed what is frozen; what merely guards it may be re-represented."""
+    if not edit.splices.intersects(state.frozen):
+        return
+    for name, claim in state.claims.items():
+        if claim.intersects(edit.splices):
+            raise PluginError(
+                f"{kind!r} changed {edit.splices & claim}, which {name!r} keeps frozen", kind
+            )
 
 
 def check_edit(before: Representation, edit: Edit[Representation], plugin: str) -> None:

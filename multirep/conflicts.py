@@ -1,0 +1,109 @@
+"""What to say when constraints cannot all hold: who, where, how far off, and the way out."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from itertools import combinations
+from typing import TYPE_CHECKING
+
+from multirep.aim import Aim
+from multirep.errors import ConflictError, MultirepError
+from multirep.splices import SpliceList
+
+if TYPE_CHECKING:
+    import networkx
+
+#: The way out is sought among sets of up to so many constraints, ...
+LARGEST_RELEASE = 3
+#: ... and in at most so many trials, each of which costs what the edit itself costs.
+MOST_TRIALS = 64
+
+
+def conflict(
+    how: str,
+    where: Mapping[str, SpliceList],
+    residuals: Mapping[str, float],
+    cycle: Iterable[str] = (),
+) -> ConflictError:
+    """Return the error that names the constraints of ``where`` and what each is off by."""
+    listed = ", ".join(
+        f"{name!r} on {claim} (off by {residuals[name]:.3g})" for name, claim in where.items()
+    )
+    noun = "constraint" if len(where) == 1 else "constraints"
+    return ConflictError(
+        f"{noun} {listed} {how}",
+        constraints=where,
+        residuals=residuals,
+        cycle=cycle,
+        where=where,
+    )
+
+
+def opposed(
+    by: str,
+    aim: Aim,
+    missed: float,
+    where: Mapping[str, SpliceList],
+    residuals: Mapping[str, float],
+) -> ConflictError:
+    """Return the error that says that constraints undid what a tool asked for."""
+    listed = " and ".join(map(repr, where))
+    return ConflictError(
+        f"{by} asks for {aim.point} at t = {aim.t:g}, but with {listed} re-established the curve "
+        f"passes it at a distance of {missed:.3g}",
+        constraints=where,
+        residuals=residuals,
+        where=where,
+    )
+
+
+def shortest_cycle(broke: networkx.DiGraph[str], name: str) -> list[str]:
+    """Return the shortest cycle through ``name``, beginning there; empty when there is none."""
+    import networkx
+
+    if name not in broke:
+        return []
+    if broke.has_edge(name, name):
+        return [name]
+    paths = [
+        networkx.shortest_path(broke, follower, name)
+        for follower in broke.successors(name)
+        if networkx.has_path(broke, follower, name)
+    ]
+    if not paths:
+        return []
+    return [name, *min(paths, key=lambda path: (len(path), path))[:-1]]
+
+
+def smallest_release(
+    suspects: Sequence[str], others: Sequence[str], goes_through: Callable[[frozenset[str]], bool]
+) -> tuple[str, ...]:
+    """Return the smallest set of constraints without which an edit goes through.
+
+    Parameters
+    ----------
+    suspects : sequence of str
+        The names that the conflict gives; sets of these are tried first within each size.
+    others : sequence of str
+        The rest.
+    goes_through : callable
+        Tries the edit without a set of constraints, and takes it back.
+
+    Returns
+    -------
+    tuple of str
+        Empty when no set of up to three, within 64 trials, does.
+    """
+    names = [*suspects, *(name for name in others if name not in suspects)]
+    trials = 0
+    for size in range(1, min(LARGEST_RELEASE, len(names)) + 1):
+        for chosen in combinations(names, size):
+            if trials == MOST_TRIALS:
+                return ()
+            trials += 1
+            try:
+                if goes_through(frozenset(chosen)):
+                    return chosen
+            except MultirepError:
+                continue
+    return ()

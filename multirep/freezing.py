@@ -1,0 +1,147 @@
+"""Frozen stretches: bit-identical in every representation (Grimm-Ayers 5.2).
+
+When a stretch is frozen every representation is brought up to date and *prepared* once: it gets
+its own controls at the borders (:meth:`multirep.Representation.held`), so that whatever follows
+beside the border leaves the stretch alone bit by bit. That preparation, a change of
+representation within rounding, is the last change there. Some representations cannot stop exactly
+at a given parameter (dyadic knots); then the frozen stretch grows by the sliver that they need,
+for all.
+
+Claims that overlap are one stretch. When one of them is released, a border of another may lie
+where nothing was prepared, and may not be prepared any more, for that would change bits; then the
+stretch stays frozen up to the next place where every representation can stop.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+
+import attrs
+
+from multirep.errors import EditError, FrozenError, PluginError
+from multirep.representation import Representation
+from multirep.splices import SpliceList
+from multirep.state import Held, State
+from multirep.synchronization import check_edit
+
+#: How often a stretch may grow before every representation can hold it. Two kinds that cannot stop
+#: anywhere need two; more only delays the report of two that never agree.
+MOST_GROWTHS = 16
+
+
+def with_claim(state: State, name: str, asked: SpliceList) -> State:
+    """Return the state in which ``asked`` is frozen under ``name``.
+
+    All kinds must have a value and be up to date.
+
+    Raises
+    ------
+    EditError
+        When nothing is asked for, or something outside T.
+    """
+    domain = state.authors.domain
+    if not asked:
+        raise EditError("there is nothing to freeze: the stretch is empty")
+    if not domain.contains(asked.hull):
+        raise EditError(f"cannot freeze {asked}: the domain is {domain}")
+    if name in state.claims:
+        raise EditError(f"something is frozen under the name {name!r} already")
+    claims = {**state.claims, name: asked}
+    return _prepared(state, claims, claimed(state.claims.values()), asked)
+
+
+def without_claim(state: State, name: str) -> State:
+    """Return the state in which what ``name`` froze is free, as far as no other claim holds it."""
+    claims = {other: splices for other, splices in state.claims.items() if other != name}
+    if not claims:
+        return attrs.evolve(state, claims={}, frozen=SpliceList.EMPTY)
+    return _prepared(state, claims, claimed(claims.values()), state.claims[name])
+
+
+def claimed(claims: Iterable[SpliceList]) -> SpliceList:
+    """Return the union."""
+    union = SpliceList.EMPTY
+    for splices in claims:
+        union = union | splices
+    return union
+
+
+def blamed(state: State, splices: SpliceList) -> tuple[str, ...]:
+    """Return the names of the freezes that a change of ``splices`` would violate."""
+    direct = tuple(name for name, claim in state.claims.items() if claim.intersects(splices))
+    if direct:
+        return direct
+    hit = SpliceList(part for part in state.frozen if SpliceList([part]).intersects(splices))
+    return tuple(name for name, claim in state.claims.items() if claim.intersects(hit))
+
+
+def frozen_error(state: State, splices: SpliceList, who: str) -> FrozenError:
+    """Return the error that says which freezes stand in the way of a change of ``splices``."""
+    names = blamed(state, splices)
+    listed = " and ".join(map(repr, names))
+    overlap = splices & state.frozen
+    return FrozenError(
+        f"{who} would change {overlap or splices}, which {listed} keeps frozen",
+        constraints=names,
+        residuals=dict.fromkeys(names, 0.0),
+        where={name: state.claims[name] for name in names},
+    )
+
+
+def _prepared(
+    state: State, claims: Mapping[str, SpliceList], keep: SpliceList, touched: SpliceList
+) -> State:
+    """Hold the union of ``claims`` still in every kind; not a bit of ``keep`` changes.
+
+    Only stretches that meet ``touched`` are looked at anew.
+    """
+    values: dict[str, Representation] = {}
+    for kind, held in state.held.items():
+        assert held.value is not None, f"{kind} has no value to freeze"
+        values[kind] = held.value
+    settled = SpliceList(
+        part for part in state.frozen if not SpliceList([part]).intersects(touched)
+    )
+    frozen = _grown(values, settled, claimed(claims.values()), keep)
+    for part in frozen:
+        if settled.contains(part):
+            continue
+        for kind, value in values.items():
+            edit, _ = value.held(part, keep)
+            check_edit(value, edit, kind)
+            if edit.splices.intersects(keep):
+                raise PluginError(
+                    f"{kind!r} changed {edit.splices & keep} while it prepared for {part} "
+                    "to be frozen",
+                    kind,
+                )
+            values[kind] = edit.value
+    kinds = {kind: Held(values[kind], held.stale) for kind, held in state.held.items()}
+    return attrs.evolve(state, held=kinds, claims=claims, frozen=frozen)
+
+
+def _grown(
+    values: Mapping[str, Representation],
+    settled: SpliceList,
+    asked: SpliceList,
+    keep: SpliceList,
+) -> SpliceList:
+    """Return the smallest stretches around ``asked`` that every kind can hold still."""
+    frozen = settled | asked
+    for _ in range(MOST_GROWTHS):
+        grown = frozen
+        for part in frozen:
+            if settled.contains(part):
+                continue
+            for kind, value in values.items():
+                _, guard = value.held(part, keep)
+                if not guard.contains(part):
+                    raise PluginError(f"{kind!r}.held returned {guard} for {part}", kind)
+                grown = grown | SpliceList([guard])
+        if grown == frozen:
+            return frozen
+        frozen = grown
+    raise PluginError(
+        f"{' and '.join(map(repr, values))} find no common place to stop around {asked}",
+        next(iter(values)),
+    )
