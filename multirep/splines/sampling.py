@@ -197,9 +197,9 @@ def _density(
     nodes[:-1] = low.repeat(parts) + (np.arange(ends[-1]) - (ends - parts).repeat(parts)) * width
     nodes[-1] = stop
     shares = np.sqrt(stretch.bending(nodes[:-1] + width / 2) / (8 * target))
-    # Never quite zero, so that the density can be inverted where the curve is straight.
-    shares += 1e-6 / (stop - start)
     shares *= width
+    # Never quite zero, so that the density can be inverted where the curve is straight.
+    shares += 1e-6 * (width / (stop - start))
     return nodes, shares
 
 
@@ -211,7 +211,8 @@ def _corrected(nodes: Array, shares: Array, t: Array, needs: Array) -> tuple[Arr
     shares = np.diff(np.interp(grid, nodes, sums))
     chords = np.minimum(t.searchsorted(grid[:-1], "right") - 1, len(needs) - 1)
     totals = np.bincount(chords, weights=shares, minlength=len(needs))
-    return grid, shares * (needs / totals).take(chords)
+    scale = np.divide(np.maximum(needs, 1e-3), totals, out=np.ones_like(needs), where=totals > 0)
+    return grid, shares * scale.take(chords)
 
 
 def _blocks(t: Array, fixed: Array, size: int, shift: int) -> IntArray:
