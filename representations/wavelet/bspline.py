@@ -1,0 +1,394 @@
+"""The multiresolution wavelet B-spline: the value, its face to the kernel."""
+
+from __future__ import annotations
+
+from typing import Any, ClassVar, Self
+
+import numpy as np
+
+from multirep.arrays import Array, ArrayLike
+from multirep.blocks import BlockArray
+from multirep.edit import Edit
+from multirep.errors import EditError, InvalidCurveError, ToleranceError
+from multirep.interval import Interval
+from multirep.representation import Representation
+from multirep.representations.wavelet import details, holding, splicing
+from multirep.representations.wavelet.data import read, written
+from multirep.representations.wavelet.graded import Graded, clamped, differences
+from multirep.representations.wavelet.filters import level_of
+from multirep.representations.wavelet.pyramid import Pyramid
+from multirep.representations.wavelet.uniform import uniform_points
+from multirep.sampled import SampledSplice
+from multirep.splices import SpliceList
+
+__all__ = ["WaveletBSpline"]
+
+
+class WaveletBSpline(Representation):
+    """A cubic B-spline with two faces: control points on graded dyadic knots, and a pyramid of details.
+
+    The stored truth is the control points. Its knots are A + (B - A) k / 2**l, of as high a level l in each place as
+    the curve needs there, so fine detail in one place costs nothing elsewhere (Grimm-Ayers 6.3 with uniform levels
+    cannot do that). The pyramid (Finkelstein-Salesin 1994) is analysed on demand, by :meth:`pyramid`.
+
+    Parameters
+    ----------
+    points : (2**level + 3, d) array_like
+        Control points of a uniform curve; :meth:`fit` and :meth:`from_dict` make graded ones.
+    domain : Interval or pair, optional
+        T, default [0, 1].
+
+    Raises
+    ------
+    InvalidCurveError
+        When no level has so many points, or they are not finite.
+
+    Notes
+    -----
+    An edit costs what it changes, whatever the size of the curve. A polyline is followed by adding knots where the
+    proof fails; corners are rounded within the tolerance, since all knots are simple.
+
+    Examples
+    --------
+    >>> curve = WaveletBSpline([[0, 0], [1, 2], [2, 0], [3, 2], [4, 0]])
+    >>> curve.level, curve.size, curve(0.5)
+    (1, 5, array([2., 1.]))
+    >>> edit = curve.sweep(0.5, [2, 2], level=1)
+    >>> print(edit.value(0.5), edit.splices)
+    [2. 2.] [0,1]
+    """
+
+    name = "wavelet"
+    summary = "multiresolution cubic B-spline: graded dyadic knots, wavelet details"
+    #: A splice reaches for the third knot outside, so that the two knots between can stay as they are.
+    _REACH: ClassVar[int] = 3
+
+    _graded: Graded
+    _pyramids: dict[int, Pyramid]
+
+    def __init__(
+        self, points: ArrayLike, domain: Interval | tuple[float, float] = (0.0, 1.0)
+    ) -> None:
+        rows = np.array(points, dtype=np.float64)
+        if rows.ndim != 2 or not rows.shape[1]:
+            raise InvalidCurveError(f"control points need the shape (n, d), got {rows.shape}")
+        if not np.isfinite(rows).all():
+            raise InvalidCurveError("control points must be finite")
+        try:
+            level = level_of(len(rows))
+        except ValueError as error:
+            raise InvalidCurveError(str(error)) from None
+        rows.setflags(write=False)
+        u = clamped(np.arange((1 << level) + 1) / (1 << level))
+        self._set(Graded.of(Interval.of(domain), u, rows))
+
+    def _set(self, graded: Graded) -> None:
+        self.__dict__.update(
+            domain=graded.domain, dimension=graded.points.shape[1], _graded=graded, _pyramids={}
+        )
+
+    def __setattr__(self, name: str, value: object) -> None:
+        raise AttributeError(f"a WaveletBSpline is immutable; cannot set {name!r}")
+
+    @classmethod
+    def _of(cls, graded: Graded) -> Self:
+        new = cls.__new__(cls)
+        new._set(graded)
+        return new
+
+    def _edit(self, graded: Graded, bound: float = 0.0) -> Edit[Self]:
+        if graded is self._graded:
+            return Edit(self, SpliceList.EMPTY, bound)
+        return Edit(self._of(graded), differences(self._graded, graded), bound)
+
+    # -- reading -------------------------------------------------------------------------------------------------
+
+    @property
+    def knots(self) -> BlockArray:
+        """Knots (n + 4,) in T, fourfold at its ends; O(n) unless T is [0, 1]."""
+        return self._graded.all_knots
+
+    @property
+    def points(self) -> BlockArray:
+        """Control points, (n, d)."""
+        return self._graded.points
+
+    @property
+    def level(self) -> int:
+        """The finest level that occurs."""
+        return self._graded.level
+
+    @property
+    def size(self) -> int:
+        """Number of stored control points."""
+        return self._graded.size
+
+    @property
+    def magnitude(self) -> float:
+        """An upper bound of the largest absolute coordinate, of the control points too."""
+        return self._graded.magnitude
+
+    def __call__(self, t: ArrayLike) -> Array:
+        """Points at parameters: scalar -> (d,), (m,) -> (m, d); ParameterError outside T."""
+        at = self.parameters(t)
+        values = self._graded.evaluate(at.reshape(-1))
+        return values.reshape(*at.shape, self.dimension)
+
+    def derivative(self, t: ArrayLike, order: int = 1, side: str = "right") -> Array:
+        """Derivative by t of any order; the sides differ from the third on, at knots.
+
+        Raises
+        ------
+        ParameterError
+            Outside T.
+        EditError
+            For a negative order or an unknown side.
+        """
+        if side not in ("left", "right"):
+            raise EditError(f"the side must be 'left' or 'right', got {side!r}")
+        if order < 0:
+            raise EditError(f"the order of a derivative must be 0 or more, got {order!r}")
+        at = self.parameters(t)
+        flat = at.reshape(-1)
+        values = self._graded.evaluate(flat, order, "left" if side == "left" else "right")
+        return values.reshape(*at.shape, self.dimension)
+
+    def sample(self, interval: Interval, *, tolerance: float) -> SampledSplice:
+        """Return a polyline over ``interval``, certified (`multirep.splines.sample_spline`).
+
+        Raises
+        ------
+        ToleranceError
+            When the tolerance is below what rounding allows.
+        """
+        from multirep.splines import sample_spline
+
+        start, stop = self.parameters([interval.start, interval.stop]).tolist()
+        curve = self._graded
+        window = curve.window(curve.span_at(start), curve.span_at(stop, "left"))
+        try:
+            t, points, bounds = sample_spline(*window, 3, start, stop, tolerance=tolerance)
+        except ValueError as error:
+            raise ToleranceError(str(error), tolerance=tolerance) from None
+        return SampledSplice(t, points, bound=float(bounds.max()), chord_bounds=bounds)
+
+    # -- following a polyline ------------------------------------------------------------------------------------
+
+    @classmethod
+    def fit(cls, sampled: SampledSplice, *, tolerance: float, **options: Any) -> Self:
+        """Return a curve over T = ``sampled.interval`` within the allowance, with few control points.
+
+        Raises
+        ------
+        ToleranceError
+            When that cannot be proved; it says what can.
+
+        Notes
+        -----
+        Linear in the samples; see `multirep.representations.wavelet.fitting`.
+        """
+        if options:
+            raise EditError(f"a wavelet fit has no options, got {', '.join(sorted(options))}")
+        return cls._of(splicing.fit(sampled, tolerance=tolerance)[0])
+
+    def splice(self, sampled: SampledSplice, *, tolerance: float) -> Edit[Self]:
+        """Follow ``sampled`` on its interval and stay as it is elsewhere.
+
+        The ends need not be knots. The knots inside are chosen from the data alone; where the two next to an end that
+        is a knot can stay, not a bit changes outside. Otherwise the control points that act beyond the end are
+        expressed anew (the curve there is the same up to rounding), and the edit reports their supports too.
+
+        Raises
+        ------
+        ToleranceError
+            When this curve is farther from the samples at an end than the allowance, or the tolerance cannot be
+            proved with knots of level 40.
+
+        Notes
+        -----
+        See `multirep.representations.wavelet.splicing`. The cost depends on the samples and the knots needed, not on
+        the size of the curve.
+        """
+        graded, bound = splicing.splice(self._graded, sampled, tolerance=tolerance)
+        return self._edit(graded, bound)
+
+    def reach(self, interval: Interval, within: Interval) -> Interval:
+        """Prefer ends that are knots, two spans farther out if there is room.
+
+        From such ends a splice leaves the control points outside as they are, bit by bit.
+        """
+        curve, (a, b) = self._graded, interval
+        if a > self.domain.start:
+            k = curve.span_at(a)
+            near = curve.knots(max(k + 1 - self._REACH, 3), k + 1)
+            near = near[(near >= within.start) & (near <= a)]
+            a = float(near[0]) if len(near) else a
+        if b < self.domain.stop:
+            k = curve.span_at(b, "left") + 1
+            near = curve.knots(k, min(k + self._REACH, self.size + 1))
+            near = near[(near <= within.stop) & (near >= b)]
+            b = float(near[-1]) if len(near) else b
+        return Interval(a, b)
+
+    def held(
+        self, interval: Interval, keep: SpliceList = SpliceList.EMPTY
+    ) -> tuple[Edit[Self], Interval]:
+        """Prepare for ``interval`` to stay as it is bit by bit; see :meth:`Representation.held`.
+
+        Its ends move outward to dyadic numbers; just outside of them two more knots are inserted, which splices that
+        end there keep.
+        """
+        graded, guard = holding.held(self._graded, interval, keep)
+        return self._edit(graded), guard
+
+    def changes(self, other: Self) -> SpliceList:
+        """Where this value and ``other`` may differ; O(changed blocks)."""
+        if self.domain != other.domain or self.dimension != other.dimension:
+            return SpliceList([self.domain.hull(other.domain)])
+        return differences(self._graded, other._graded)
+
+    # -- editing control points and knots ------------------------------------------------------------------------
+
+    def move_control_point(self, index: int, to: ArrayLike) -> Edit[Self]:
+        """Move one graded control point; changes the four spans of its support.
+
+        Raises
+        ------
+        EditError
+            When there is no such control point, or the place is not a finite point.
+        """
+        if not 0 <= index < self.size:
+            raise EditError(f"there are control points 0 to {self.size - 1}, got {index}")
+        row = self._point(to)[None]
+        nothing = np.empty(0)
+        return self._edit(self._graded.replaced((4, 4), nothing, (index, index + 1), row))
+
+    def refine(self, interval: Interval | None = None) -> Edit[Self]:
+        """Halve every span that meets the interior of ``interval`` (default T); the curve stays as it is.
+
+        Raises
+        ------
+        ParameterError
+            When the interval leaves T.
+        EditError
+            When a span is too short to be halved.
+        """
+        where = self.domain if interval is None else Interval.of(interval)
+        self.parameters([where.start, where.stop])
+        return self._edit(details.halved(self._graded, where))
+
+    # -- editing the pyramid -------------------------------------------------------------------------------------
+
+    def pyramid(self, level: int | None = None) -> Pyramid:
+        """Analyse the curve into base and details.
+
+        Parameters
+        ----------
+        level : int, optional
+            Up to which level, 0 to 16; default the finest one that occurs, at most 16.
+
+        Returns
+        -------
+        Pyramid
+            Exact up to rounding if no knot is finer than ``level``; otherwise that of the best approximation of the
+            level in the L2 norm, which is what the analysis of the finer levels would leave.
+
+        Raises
+        ------
+        EditError
+            For other levels.
+
+        Notes
+        -----
+        Linear in control points + 2**level; kept with the value.
+        """
+        wanted = min(self.level, details.FINEST_ANALYSED) if level is None else level
+        if not 0 <= wanted <= details.FINEST_ANALYSED:
+            raise EditError(
+                f"a pyramid has levels up to {details.FINEST_ANALYSED} at most, asked for {level}"
+            )
+        if wanted not in self._pyramids:
+            self._pyramids[wanted] = Pyramid.of(uniform_points(self._graded, wanted))
+        return self._pyramids[wanted]
+
+    def sweep(self, t: float, to: ArrayLike, level: float) -> Edit[Self]:
+        """Move the curve at ``t`` to a point by the smallest change of the control points of a level.
+
+        Parameters
+        ----------
+        t : float
+            Where on the curve.
+        to : (d,) array_like
+            Where it shall be.
+        level : float
+            Wide changes for low levels, narrow ones for high levels; between two levels the change goes over from
+            one to the other.
+
+        Returns
+        -------
+        Edit
+            Seven spans of the level wide. The details of finer levels ride along unchanged.
+
+        Raises
+        ------
+        ParameterError, EditError
+
+        Notes
+        -----
+        Minimum norm: ``dc = B (to - f(t)) / ||B||**2`` with B the four functions of the level at t (Bartels-Beatty
+        1989 on a level of Finkelstein-Salesin 1994). The control points outside of the support keep their bits.
+        """
+        at = float(self.parameters(t))
+        offset = self._point(to) - self(at)
+        return self._edit(details.swept(self._graded, at, offset, level))
+
+    def add_detail(self, level: int, index: int, offset: ArrayLike) -> Edit[Self]:
+        """Add to one detail coefficient: the displacement of the curve at the peak of its wavelet.
+
+        Parameters
+        ----------
+        level : int
+            The detail leads from ``level`` to ``level + 1``.
+        index : int
+            0 to 2**level - 1.
+        offset : (d,) array_like
+
+        Raises
+        ------
+        EditError
+            When there is no such detail.
+        """
+        return self._edit(details.added(self._graded, level, index, self._point(offset)))
+
+    def set_detail(self, level: int, index: int, value: ArrayLike) -> Edit[Self]:
+        """Set one detail coefficient of the pyramid; see :meth:`add_detail`.
+
+        Notes
+        -----
+        Needs the present value, hence the analysis up to ``level + 1``: linear, unless the pyramid is known already.
+        """
+        details.check_detail(self._graded, level, index)
+        present = self.pyramid(level + 1).details[level][index]
+        return self.add_detail(level, index, self._point(value) - present)
+
+    # -- data ----------------------------------------------------------------------------------------------------
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain data: level, knots in T, points."""
+        return written(self._graded)
+
+    @classmethod
+    def from_dict(cls, data: dict[str, Any]) -> Self:
+        """Read what :meth:`to_dict` wrote; InvalidCurveError when it describes no such curve."""
+        return cls._of(read(data))
+
+    def _point(self, value: ArrayLike) -> Array:
+        point: Array = np.asarray(value, dtype=np.float64)
+        if point.shape != (self.dimension,) or not np.isfinite(point).all():
+            raise EditError(
+                f"expected a finite point of {self.dimension} coordinates, got {value!r}"
+            )
+        return point
+
+    def __repr__(self) -> str:
+        return f"WaveletBSpline(size={self.size}, level={self.level}, domain={self.domain})"

@@ -1,0 +1,169 @@
+"""Dyadic knots k / 2**l in [0, 1]: exact numbers, where to halve a span, the level of a knot.
+
+All of these are exact in float64 down to level 40 and two levels beyond, which the rows of a fit use.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from multirep.arrays import Array, Indices
+from multirep.interval import Interval
+
+__all__ = [
+    "FINEST_LEVEL",
+    "coarsest_between",
+    "finest_level",
+    "graded_between",
+    "halves",
+    "level_counts",
+    "levels",
+    "parameters",
+]
+
+#: No knot is finer than k / 2**40. Finer knots would be exact as well, but spans of 2**-40 of T already resolve a
+#: corner to 1e-12 of the curve, where rounding of the coordinates begins.
+FINEST_LEVEL = 40
+#: Spans shorter than so many units in the last place of a parameter are not made.
+_ULPS = 64
+
+
+def parameters(u: Array, domain: Interval) -> Array:
+    """Map dyadic numbers from [0, 1] to T; both ends exactly, and everything exactly if T is [0, 1].
+
+    Examples
+    --------
+    >>> parameters(np.array([0.0, 0.5, 1.0]), Interval(-1.0, 2.0))
+    array([-1. ,  0.5,  2. ])
+    """
+    if domain.start == 0.0 and domain.stop == 1.0:
+        return u
+    mapped: Array = (1.0 - u) * domain.start + u * domain.stop
+    return mapped
+
+
+def finest_level(domain: Interval) -> int:
+    """Return the finest level whose knots stay well apart as float64 numbers in T.
+
+    Examples
+    --------
+    >>> finest_level(Interval(0.0, 1.0)), finest_level(Interval(1e6, 1e6 + 1))
+    (40, 27)
+    """
+    largest = max(abs(domain.start), abs(domain.stop))
+    resolved = math.log2(domain.length / (_ULPS * float(np.spacing(largest))))
+    return max(0, min(FINEST_LEVEL, math.floor(resolved)))
+
+
+def halves(starts: Array, stops: Array) -> Array:
+    """Return the knots that halve spans: near the middle, and as coarse as they can be there.
+
+    The middle itself for a dyadic span; otherwise a coarse knot in the middle half.
+
+    Parameters
+    ----------
+    starts, stops : (n,) arrays
+        Dyadic numbers.
+
+    Returns
+    -------
+    (n,) array
+
+    Examples
+    --------
+    >>> halves(np.array([0.0, 0.0]), np.array([0.5, 0.875]))
+    array([0.25, 0.5 ])
+    """
+    lengths = stops - starts
+    middle = starts + 0.5 * lengths
+    # The largest power of two <= length: its multiple nearest to the middle, or else one of half of it.
+    step = np.ldexp(0.5, np.frexp(lengths)[1])
+    coarse = np.rint(middle / step) * step
+    step *= 0.5
+    fine = np.rint(middle / step) * step
+    chosen: Array = np.where(np.abs(coarse - middle) <= 0.25 * lengths, coarse, fine)
+    return chosen
+
+
+def coarsest_between(low: float, high: float) -> float:
+    """Return the dyadic number of the lowest level in [low, high], 0 <= low < high <= 1.
+
+    Examples
+    --------
+    >>> coarsest_between(0.3, 0.4), coarsest_between(0.3, 0.6)
+    (0.375, 0.5)
+    """
+    step = 2.0 ** math.floor(math.log2(high - low))
+    found = math.ceil(low / step) * step
+    while True:
+        step *= 2.0
+        coarser = math.ceil(low / step) * step
+        if coarser > high or step > 1.0:
+            return found
+        found = coarser
+
+
+def graded_between(start: float, stop: float, first: float, last: float) -> Array:
+    """Return knots between two ends, with spans that grow by doubling from both.
+
+    Parameters
+    ----------
+    start, stop : float
+        Dyadic numbers.
+    first, last : float
+        About how long the spans at the two ends shall be.
+
+    Returns
+    -------
+    (k,) array
+        Increasing, the ends included; each is a coarse dyadic number near its place.
+
+    Examples
+    --------
+    >>> graded_between(0.0, 1.0, 0.1, 1.0)
+    array([0.     , 0.09375, 0.1875 , 0.375  , 1.     ])
+    """
+    middle = 0.5 * (start + stop)
+    half = middle - start
+    lengths = [min(first, stop - start), min(last, stop - start)]
+    counts = [max(0, math.ceil(math.log2(half / length))) for length in lengths]
+    steps = [length * _DOUBLING[:count] for length, count in zip(lengths, counts, strict=True)]
+    inner = np.concatenate((start + steps[0], stop - steps[1][::-1]))
+    grain = np.ldexp(0.25, np.frexp(np.concatenate((steps[0], steps[1][::-1])))[1])
+    inner = np.rint(inner / grain) * grain
+    knots: Array = np.concatenate(([start], inner, [stop]))
+    increases = np.concatenate(([True], knots[1:] > knots[:-1]))
+    return knots if increases.all() else np.unique(knots)
+
+
+_DOUBLING = 2.0 ** np.arange(64)
+
+
+def levels(u: Array) -> Indices:
+    """Return the level of each dyadic number: the l of k / 2**l with odd k, 0 for 0 and 1.
+
+    Examples
+    --------
+    >>> levels(np.array([0.0, 0.5, 0.375, 1.0]))
+    array([0, 1, 3, 0])
+    """
+    scaled = (u * 2.0**52).astype(np.int64)
+    lowest = (scaled & -scaled).astype(np.float64)
+    # frexp of a power of two 2**k is (0.5, k + 1); of 0 it is (0, 0).
+    found = np.maximum(53 - np.frexp(lowest)[1], 0)
+    found[scaled == 0] = 0
+    return found.astype(np.intp)
+
+
+def level_counts(u: Array) -> Array:
+    """Count knots by level, (53,): so that the finest level of a curve is known after an edit in O(window).
+
+    Examples
+    --------
+    >>> level_counts(np.array([0.25, 0.5, 0.75]))[:4].tolist()
+    [0, 1, 2, 0]
+    """
+    counts: Array = np.bincount(levels(u), minlength=53)
+    return counts

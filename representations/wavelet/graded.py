@@ -1,0 +1,205 @@
+"""The stored truth: cubic control points on graded dyadic knots, in block arrays."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+import attrs
+import numpy as np
+
+from multirep.arrays import Array
+from multirep.blocks import BlockArray
+from multirep.interval import Interval
+from multirep.representations.wavelet.dyadic import level_counts, parameters
+from multirep.splices import SpliceList
+from multirep.splines.evaluation import evaluate
+from multirep.splines.polar import refine
+
+__all__ = ["Graded", "clamped", "differences"]
+
+
+#: Parameters that lie farther apart than this many spans each are not evaluated together: gathering a span costs
+#: about 10 ns, a call 10 us.
+_SCATTERED = 1000
+
+
+@attrs.frozen(eq=False)
+class Graded:
+    """A cubic spline with knots k / 2**l of many levels (immutable).
+
+    Make one with :meth:`of`.
+
+    Parameters
+    ----------
+    domain : Interval
+        T; the knots are mapped to it where they are used, and only there.
+    u : (n + 4,) BlockArray
+        Dyadic knots in [0, 1], fourfold at the ends, simple inside.
+    points : (n, d) BlockArray
+        Control points.
+    counts : (53,) array
+        How many interior knots each level has.
+    magnitude : float
+        At least the largest absolute value of a coordinate of a control point.
+    """
+
+    domain: Interval
+    u: BlockArray
+    points: BlockArray
+    counts: Array
+    magnitude: float
+
+    @classmethod
+    def of(cls, domain: Interval, u: Array, points: Array) -> Graded:
+        """Store knots (n + 4,) and control points (n, d); neither is checked."""
+        return cls(
+            domain,
+            BlockArray.of(u),
+            BlockArray.of(points),
+            level_counts(u[4:-4]),
+            float(np.abs(points).max()),
+        )
+
+    @property
+    def size(self) -> int:
+        """Number n of control points."""
+        return len(self.points)
+
+    @property
+    def level(self) -> int:
+        """The finest level of a knot; O(1)."""
+        present = np.flatnonzero(self.counts)
+        return int(present[-1]) if len(present) else 0
+
+    @property
+    def all_knots(self) -> BlockArray:
+        """Knots (n + 4,) in T; O(n) unless T is [0, 1]."""
+        mapped = parameters(self.u, self.domain)
+        return mapped if isinstance(mapped, BlockArray) else BlockArray.of(mapped)
+
+    def knots(self, start: int, stop: int) -> Array:
+        """Knots start..stop-1 as parameters in T."""
+        return parameters(self.u.window(start, stop), self.domain)
+
+    def span_at(self, t: float, side: Literal["left", "right"] = "right") -> int:
+        """Index k of the span with knot k <= t < knot k+1 (left: knot k < t <= knot k+1); O(log n)."""
+        start, length = self.domain.start, self.domain.length
+        k = self.u.searchsorted((t - start) / length, side) - 1
+        k = min(max(k, 3), self.size - 1)
+        if start != 0.0 or self.domain.stop != 1.0:
+            # Mapping back and forth may be one off: the mapped knots decide.
+            before = (lambda knot: knot <= t) if side == "right" else (lambda knot: knot < t)
+            while k > 3 and not before(self.knots(k, k + 1)[0]):
+                k -= 1
+            while k < self.size - 1 and before(self.knots(k + 1, k + 2)[0]):
+                k += 1
+        return k
+
+    def window(self, first: int, last: int) -> tuple[Array, Array]:
+        """Knots and control points that the spans first..last depend on: a spline of its own."""
+        return self.knots(first - 3, last + 5), self.points.window(first - 3, last + 1)
+
+    def evaluate(
+        self, t: Array, order: int = 0, side: Literal["left", "right"] = "right"
+    ) -> Array:
+        """Points, or derivatives, at parameters (m,) in T, in any order: (m, d).
+
+        A few parameters far apart do not pay for all the knots between them.
+        """
+        if not len(t):
+            return np.empty((0, self.points.shape[1]))
+        first, last = self.span_at(float(t.min())), self.span_at(float(t.max()))
+        if side == "left":
+            first = max(3, first - 1)
+        if last - first <= _SCATTERED * len(t) or len(t) == 1:
+            return evaluate(*self.window(first, last), 3, t, order=order, side=side)
+        places = t.argsort(kind="stable")
+        half = len(t) // 2
+        values = np.empty((len(t), self.points.shape[1]))
+        for part in (places[:half], places[half:]):
+            values[part] = self.evaluate(t[part], order, side)
+        return values
+
+    def replaced(
+        self, knots: tuple[int, int], u: Array, points: tuple[int, int], rows: Array
+    ) -> Graded:
+        """Return the curve with ``u`` for the interior knots of one range, ``rows`` for the points of another.
+
+        O(window): blocks outside are shared. Fourfold end knots in ``u`` must be all or none of each.
+        """
+        old = self.u.window(*knots)
+        counts = self.counts + level_counts(u) - level_counts(old)
+        # Ends of T in both cancel; their level is 0 like that of no other knot.
+        return Graded(
+            self.domain,
+            self.u.replaced(*knots, u),
+            self.points.replaced(*points, rows),
+            counts,
+            max(self.magnitude, float(np.abs(rows).max(initial=0.0))),
+        )
+
+    def refined(self, u: Array) -> Graded:
+        """Return the same curve with more knots.
+
+        Parameters
+        ----------
+        u : (m,) array
+            Sorted distinct dyadic numbers in (0, 1); those that are knots already are ignored.
+
+        Notes
+        -----
+        Control points whose knots do not change stay bit-identical; the others are polar forms of the
+        old pieces. O(window between the first and the last new knot).
+        """
+        if not len(u):
+            return self
+        first = min(max(self.u.searchsorted(u[0], "right") - 1, 3), self.size - 1)
+        last = min(max(self.u.searchsorted(u[-1]) - 1, first), self.size - 1)
+        old = self.u.window(first - 3, last + 5)
+        finer = np.union1d(old[4:-4], u)
+        if len(finer) == len(old) - 8:
+            return self
+        finer = np.concatenate((old[:4], finer, old[-4:]))
+        knots, points = self.window(first, last)
+        rows = refine(knots, points, 3, parameters(finer, self.domain))
+        return self.replaced(
+            (first + 1, last + 1), finer[4:-4], (first - 3, last + 1), rows
+        )
+
+
+def clamped(u: Array) -> Array:
+    """Repeat the ends of breaks (m + 1,) three times more: a knot vector (m + 7,).
+
+    Examples
+    --------
+    >>> clamped(np.array([0.0, 0.5, 1.0]))
+    array([0. , 0. , 0. , 0. , 0.5, 1. , 1. , 1. , 1. ])
+    """
+    knots: Array = np.concatenate((np.repeat(u[0], 3), u, np.repeat(u[-1], 3)))
+    return knots
+
+
+def differences(one: Graded, two: Graded) -> SpliceList:
+    """Where two versions may differ: on which spans, and on the supports of which control points.
+
+    One splice, or none. O(changed blocks).
+    """
+    low, high, other_high = one.u.difference(two.u)
+    first, stop, other_stop = one.points.difference(two.points)
+    starts, stops = [], []
+    if low < max(high, other_high):
+        # A span depends on its ends and two knots on either side.
+        starts.append(one.knots(*_single(low - 3, one)))
+        stops.append(one.knots(*_single(high + 2, one)))
+    if first < max(stop, other_stop):
+        for curve, end in ((one, stop), (two, other_stop)):
+            starts.append(curve.knots(*_single(first, curve)))
+            stops.append(curve.knots(*_single(end + 3, curve)))
+    if not starts:
+        return SpliceList.EMPTY
+    return SpliceList([(float(min(starts)[0]), float(max(stops)[0]))])
+
+
+def _single(index: int, curve: Graded) -> tuple[int, int]:
+    index = min(max(index, 0), curve.size + 3)
+    return index, index + 1

@@ -1,0 +1,109 @@
+"""Predict how fine the knots must be, from the polyline alone and without solving anything.
+
+A span is fine enough when one cubic polynomial, fitted to the polyline over the span and a quarter of its length on
+either side, stays within the allowance: about what a smooth spline achieves on such spans, at corners too (errors for a
+fourth derivative f: f h**4 / 607 predicted, f h**4 / 768 for the best spline; for a jump J of the slope both J h / 20).
+The fit that follows corrects the few spans where this is wrong; starting from here takes it 2 to 5 solves where
+halving step by step takes as many as there are levels, and leaves a third fewer control points at corners.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import cache
+
+import numpy as np
+
+from multirep.arrays import Array
+from multirep.representations.wavelet.dyadic import halves
+from multirep.representations.wavelet.target import Target
+
+__all__ = ["predict"]
+
+#: Samples of a span and its margins. More see narrower features (which the fit would find anyway), fewer cost less.
+_SAMPLES = 13
+#: How far a span looks beyond its ends, in its lengths: so that a corner at a knot is seen from both sides.
+_MARGIN = 0.25
+
+
+#: What no quintic explains counts so much: it comes from corners, which cost a spline more than a single polynomial.
+_CORNER = 2.0
+
+
+def predict(
+    target: Target,
+    starts: Array,
+    stops: Array,
+    shortest: float,
+    to_t: Callable[[Array], Array],
+) -> Array:
+    """Halve spans until each is predicted to be fine enough.
+
+    Parameters
+    ----------
+    target : Target
+        The polyline and its allowances.
+    starts, stops : (n,) arrays
+        The spans, dyadic numbers in [0, 1].
+    shortest : float
+        Spans not longer than this are left.
+    to_t : callable
+        Maps dyadic numbers to parameters.
+
+    Returns
+    -------
+    (k,) array
+        The new knots, unsorted.
+
+    Notes
+    -----
+    One vectorised pass for each level; a pass looks at 9 places of each span that still fails.
+
+    Examples
+    --------
+    A corner needs short spans beside it, and only there.
+
+    >>> from multirep.sampled import SampledSplice
+    >>> corner = SampledSplice([0, 1 / 3, 1], [[0.0], [1.0], [0.0]])
+    >>> target = Target.of(corner, 1 / 16)
+    >>> np.sort(predict(target, np.array([0.0]), np.array([1.0]), 2.0**-40, lambda u: u))
+    array([0.25, 0.5 ])
+    >>> target = Target.of(corner, 1 / 64)
+    >>> np.sort(predict(target, np.array([0.0]), np.array([1.0]), 2.0**-40, lambda u: u))
+    array([0.25  , 0.3125, 0.375 , 0.5   ])
+    """
+    found: list[Array] = []
+    first, last = target.t[0], target.t[-1]
+    projection, places = _projection()
+    allowed = np.square(target.allowances)
+    while len(starts):
+        low, high = to_t(starts), to_t(stops)
+        margin = _MARGIN * (high - low)
+        low, high = np.maximum(low - margin, first), np.minimum(high + margin, last)
+        values, chords = target.at(low + (high - low) * places)
+        off = projection @ values
+        off *= off
+        square = off.sum(axis=0).reshape(2, _SAMPLES, -1).max(axis=0)
+        square /= allowed.take(chords)
+        failing = np.flatnonzero((square.max(axis=0) > 1.0) & (stops - starts > shortest))
+        if not len(failing):
+            break
+        starts, stops = starts.take(failing), stops.take(failing)
+        middles = halves(starts, stops)
+        found.append(middles)
+        starts, stops = np.concatenate((starts, middles)), np.concatenate((middles, stops))
+    return np.concatenate(found) if found else np.empty(0)
+
+
+@cache
+def _projection() -> tuple[Array, Array]:
+    """Projections (26, 13) of samples onto what no cubic and no quintic explains; the places (13, 1) in [0, 1]."""
+    places = np.linspace(0.0, 1.0, _SAMPLES)[:, None]
+    projections = []
+    for degree, factor in ((3, 1.0), (5, _CORNER)):
+        basis = np.linalg.qr((places - 0.5) ** np.arange(degree + 1))[0]
+        projections.append(factor * (np.eye(_SAMPLES) - basis @ basis.T))
+    projection = np.concatenate(projections)
+    projection.setflags(write=False)
+    places.setflags(write=False)
+    return projection, places

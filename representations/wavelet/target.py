@@ -1,0 +1,54 @@
+"""What a fit follows: a polyline with an allowance on each chord, about a local origin."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from multirep.arrays import Array, Indices
+from multirep.sampled import SampledSplice
+
+__all__ = ["Target"]
+
+
+class Target(NamedTuple):
+    """The polyline L of a sampled splice, ready for many evaluations; coordinates come first, (d, ...).
+
+    Examples
+    --------
+    >>> target = Target.of(SampledSplice([0, 1, 3], [[4.0], [6.0], [8.0]]), 0.5)
+    >>> values, chords = target.at(np.array([0.5, 1.0, 2.0, 3.0]))
+    >>> (values[0] + target.origin[0]).tolist(), chords.tolist()
+    ([5.0, 6.0, 7.0, 8.0], [0, 1, 1, 1])
+    """
+
+    t: Array
+    """(m + 1,) parameters."""
+    points: Array
+    """(d, m + 1), relative to the origin."""
+    slopes: Array
+    """(d, m), of the chords."""
+    allowances: Array
+    """(m,), how far the fit may be from each chord."""
+    origin: Array
+    """(d,), a vertex; fits keep their digits however far the curve is from zero."""
+
+    @classmethod
+    def of(cls, sampled: SampledSplice, tolerance: float) -> Target:
+        """Prepare a sampled splice."""
+        origin = sampled.points[0]
+        points = np.ascontiguousarray((sampled.points - origin).T)
+        t = sampled.t
+        slopes = (points[:, 1:] - points[:, :-1]) / (t[1:] - t[:-1])
+        return cls(t, points, slopes, sampled.allowance(tolerance), origin)
+
+    def at(self, t: Array) -> tuple[Array, Indices]:
+        """L relative to the origin, (d, *t.shape), and the chord at each t; a vertex belongs to the next chord."""
+        chords = self.t.searchsorted(t, side="right")
+        chords -= 1
+        np.minimum(chords, len(self.allowances) - 1, out=chords)
+        values = self.slopes.take(chords, axis=1)
+        values *= t - self.t.take(chords)
+        values += self.points.take(chords, axis=1)
+        return values, chords
