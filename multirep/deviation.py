@@ -13,8 +13,9 @@ from multirep.sampled import SampledSplice, interpolate
 from multirep.splices import SpliceList
 
 #: First sampling tolerance in terms of the scale; the upper bound exceeds the lower one by about
-#: twice as much.
-FIRST_TOLERANCE = 1 / 64
+#: twice as much. That is below CLOSE, so most curves need no second round: samples are cheaper by
+#: the array than by the stretch.
+FIRST_TOLERANCE = 1 / 512
 #: Each round samples the undecided chords this much more finely.
 TIGHTENING = 1 / 16
 #: The bounds are close enough when they differ by this part of the scale.
@@ -80,11 +81,21 @@ def deviation(
         if not undecided.any() or round_ == ROUNDS - 1:
             upper = max(upper, float(bound[undecided].max())) if undecided.any() else upper
             break
-        where = SpliceList(
-            Interval(a, b) for a, b in zip(start[undecided], stop[undecided], strict=True)
-        )
+        where = _stretches(start[undecided], stop[undecided])
         tolerance *= TIGHTENING
     return Deviation(lower, max(lower, upper))
+
+
+def _stretches(start: Array, stop: Array) -> SpliceList:
+    """Return intervals as splices; gaps no longer than what stands beside them are closed.
+
+    Each splice costs a call, so many short ones cost more than the gaps between them.
+    """
+    length = stop - start
+    apart = start[1:] - stop[:-1] > length[1:] + length[:-1]
+    starts = start[np.concatenate([[True], apart])]
+    stops = stop[np.concatenate([apart, [True]])]
+    return SpliceList(Interval(a, b) for a, b in zip(starts, stops, strict=True))
 
 
 def chord_deviations(
