@@ -47,7 +47,7 @@ def with_claim(state: State, name: str, asked: SpliceList) -> State:
     if name in state.claims:
         raise EditError(f"something is frozen under the name {name!r} already")
     claims = {**state.claims, name: asked}
-    return _prepared(state, claims, claimed(state.claims.values()), asked)
+    return _prepared(state, claims, state.frozen, asked)
 
 
 def without_claim(state: State, name: str) -> State:

@@ -17,6 +17,7 @@ from multirep.representations.polyline.boxes import BlockBoxes
 from multirep.representations.polyline.chord_length import chord_length
 from multirep.representations.polyline.differences import changed_stretches
 from multirep.representations.polyline.evaluation import evaluate, slopes
+from multirep.representations.polyline.holding import NOTHING, held
 from multirep.representations.polyline.proximity import nearest_place
 from multirep.representations.polyline.sampling import sample_stretch
 from multirep.representations.polyline.splicing import follow
@@ -218,6 +219,10 @@ class Polyline(Representation):
             low if low >= within.start else interval.start,
             high if high <= within.stop else interval.stop,
         )
+
+    def held(self, interval: Interval, keep: SpliceList = NOTHING) -> tuple[Edit[Self], Interval]:
+        """Make vertices of the ends, so that the interval can stay bit by bit."""
+        return held(self, interval, keep)
 
     def changes(self, other: Self) -> SpliceList:
         """Where two versions may differ: the segments that they do not share; O(changed blocks)."""
