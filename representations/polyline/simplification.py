@@ -70,7 +70,7 @@ def simplify(t: Array, values: Array, targets: Array, allowed: Array, keep: Mask
             position = position[fits]
         if not position.size:
             break
-        chosen = position[_apart(position)]
+        chosen = position[every_other(position)]
         untested[:] = False
         untested[chosen - 1] = untested[chosen + 1] = True
         remaining = np.ones(len(kept), dtype=bool)
@@ -110,7 +110,7 @@ def _all_fit(
     return result
 
 
-def _apart(position: Indices) -> Mask:
+def every_other(position: Indices) -> Mask:
     """Every other one of each run of neighbouring positions, so that no two touch."""
     order = np.arange(len(position))
     begins = np.ones(len(position), dtype=bool)

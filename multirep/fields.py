@@ -1,0 +1,64 @@
+"""Points and paths as parameters of tools and constraints: how they are converted and checked.
+
+>>> import attrs
+>>> @attrs.frozen
+... class Drop:
+...     to: tuple[float, ...] = attrs.field(converter=as_point, validator=finite_point)
+>>> Drop([1, 2])
+Drop(to=(1.0, 2.0))
+>>> Drop([1, float("nan")])
+Traceback (most recent call last):
+    ...
+ValueError: 'to' must be a list of finite numbers: (1.0, nan)
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import attrs
+
+from multirep.arrays import ArrayLike
+
+
+def as_point(value: ArrayLike) -> tuple[float, ...]:
+    """Convert a sequence of numbers to a tuple; what is none is left for the validator to name."""
+    try:
+        return tuple(float(x) for x in value)  # type: ignore[union-attr,arg-type]  # fails if not
+    except (TypeError, ValueError):
+        return value  # type: ignore[return-value]  # the validator names the field
+
+
+def as_points(value: ArrayLike) -> tuple[tuple[float, ...], ...]:
+    """Convert a sequence of points; what is none is left for the validator to name."""
+    try:
+        return tuple(as_point(point) for point in value)  # type: ignore[union-attr]  # fails if not
+    except TypeError:
+        return value  # type: ignore[return-value]  # the validator names the field
+
+
+def finite_point(instance: object, attribute: attrs.Attribute[Any], value: object) -> None:
+    """Raise ValueError unless the field is a non-empty tuple of finite numbers."""
+    if not _is_point(value):
+        raise ValueError(f"{attribute.name!r} must be a list of finite numbers: {value!r}")
+
+
+def finite_points(instance: object, attribute: attrs.Attribute[Any], value: object) -> None:
+    """Raise ValueError unless the field is a non-empty tuple of points of one dimension."""
+    if not isinstance(value, tuple) or not value:
+        raise ValueError(f"{attribute.name!r} must be a list of one point or more: {value!r}")
+    for k, point in enumerate(value):
+        if not _is_point(point) or len(point) != len(value[0]):
+            raise ValueError(
+                f"{attribute.name!r} must hold points of finite numbers, all of one dimension; "
+                f"point {k} is: {point!r}"
+            )
+
+
+def _is_point(value: object) -> bool:
+    return (
+        isinstance(value, tuple)
+        and len(value) > 0
+        and all(isinstance(x, float) and math.isfinite(x) for x in value)
+    )
