@@ -18,6 +18,7 @@ from multirep.representations.nurbs import (
     elevation,
     ends,
     evaluation,
+    holding,
     insertion,
     moving,
     removal,
@@ -385,6 +386,15 @@ class Nurbs(Representation):
             near = near[near <= within.stop]
             b = float(near[-1]) if len(near) else b
         return Interval(a, b)
+
+    def held(
+        self, interval: Interval, keep: SpliceList = SpliceList.EMPTY
+    ) -> tuple[Edit[Self], Interval]:
+        """Raise the ends to p-fold knots, so that the interval can stay bit by bit.
+
+        See :meth:`Representation.held` and `multirep.representations.nurbs.holding`.
+        """
+        return holding.held(self, interval, keep)
 
     def changes(self, other: Self) -> SpliceList:
         """Where this value and ``other`` may differ; O(changed blocks)."""

@@ -9,7 +9,7 @@ from multirep.arrays import Array
 from multirep.errors import InvalidCurveError, ToleranceError
 from multirep.representations.nurbs.equalizing import equalized
 from multirep.representations.nurbs.problem import Breakpoints, Course, Problem, Trial
-from multirep.representations.nurbs.refinement import heights, merged_breakpoints, refined
+from multirep.representations.nurbs.refinement import merged_breakpoints, refined
 from multirep.representations.nurbs.search import CORNER_HEIGHT, passed, proved
 from multirep.representations.nurbs.simplification import simplified
 from multirep.representations.nurbs.validation import LARGEST_DEGREE
@@ -46,6 +46,10 @@ class OpenEnds:
         points = np.zeros((len(knots) - self.degree - 1, len(self.start)))
         points[0], points[-1] = self.start, self.stop
         return points, slice(1, len(points) - 1), None
+
+    def roomy(self, breakpoints: Breakpoints) -> Breakpoints:
+        """Return the breakpoints as they are: one row is fixed at each end."""
+        return breakpoints
 
 
 def fitted_arrays(sampled: SampledSplice, tolerance: float, degree: int) -> tuple[Array, Array]:
@@ -110,7 +114,7 @@ def _beginning(problem: Problem) -> Breakpoints:
     p, t = problem.degree, problem.course.t
     ends = Breakpoints(t[[0, -1]], np.array([p + 1, p + 1], dtype=np.intp))
     inner = t[VERTICES_PER_SPAN : len(t) - 1 - VERTICES_PER_SPAN // 2 : VERTICES_PER_SPAN]
-    corners = t[1:-1][heights(problem.course) > CORNER_HEIGHT]
+    corners = t[1:-1][problem.course.heights > CORNER_HEIGHT]
     if not len(inner) and not len(corners):
         return ends
     return merged_breakpoints(ends, np.concatenate((inner, corners)), [corners], p)

@@ -18,6 +18,7 @@ from numpy.lib.stride_tricks import sliding_window_view
 from multirep.arrays import Array
 from multirep.representations.nurbs.evaluation import homogeneous
 from multirep.representations.nurbs.problem import Breakpoints
+from multirep.representations.nurbs.refinement import merged_breakpoints
 from multirep.splines import blossom, evaluate
 
 if TYPE_CHECKING:
@@ -108,66 +109,81 @@ class Window:
         inner = at if len(at) == times.sum() else at.repeat(times)
         return np.concatenate((self.outer_left, inner, self.outer_right))
 
+    def roomy(self, breakpoints: Breakpoints) -> Breakpoints:
+        """Return breakpoints of which no fixed row belongs to both sides."""
+        missing = self.degree + 1 - int(breakpoints.times.sum())
+        if missing <= 0 or self.start is not None or self.stop is not None:
+            return breakpoints
+        at, times = breakpoints
+        parts = -(-missing // (len(at) - 1)) + 1
+        inner = at[:-1, None] + np.diff(at)[:, None] * (np.arange(1, parts) / parts)
+        return merged_breakpoints(breakpoints, inner.ravel(), [], self.degree)
+
+    def kept(self, knots: Array) -> tuple[int, int]:
+        """Return how many rows at the left and at the right keep their inner knots.
+
+        Those are bit-identical copies of old control points; at most p on each side, none at an
+        end of T.
+        """
+        p, size = self.degree, 2 * self.degree + 1
+        left = right = 0
+        # Rows i < p on the left read knots 1 .. 2p - 1: so many of them as agree from the start.
+        if self.start is None:
+            same = (knots[p : 2 * p] == self.local_knots[p + 1 : size]).tolist()
+            left = same.index(False) if False in same else p
+        if self.stop is None:
+            near = self.local_knots[size + 1 : size + p + 1]
+            same = (knots[-2 * p : -p] == near).tolist()[::-1]
+            right = same.index(False) if False in same else p
+        return left, right
+
     def fixed(
         self, knots: Array, breakpoints: Breakpoints
     ) -> tuple[Array, slice, Array | None]:
-        """Fill in the fixed control points (Euclidean); see `Ends`."""
-        points, weights, _, _ = self.pinned(knots)
-        left = self.degree if self.start is None else 1
-        right = self.degree if self.stop is None else 1
-        return points, slice(left, len(points) - right), weights
-
-    def pinned(self, knots: Array) -> tuple[Array, Array | None, int, int]:
-        """Return points and weights with the fixed rows, and which rows are expressed anew.
-
-        Returns
-        -------
-        points : (n, d) array
-        weights : (n,) array or None
-        first, last : int
-            Rows before ``first`` and after ``last`` are bit-identical copies of old ones with the
-            same inner knots.
-        """
+        """Fill in the fixed control points (Euclidean) and the weights; see `Ends`."""
         p, size, count = self.degree, 2 * self.degree + 1, len(knots) - self.degree - 1
-        points = np.zeros((count, self.dimension))
-        index = np.arange(p)
-        inner = index[:, None] + np.arange(1, p + 1)
-        wanted = []
-        first, last = 0, count - 1
+        left, right = self.kept(knots)
+        rows = np.zeros((count, self.dimension + self.rational))
+        spans: list[int] = []
+        places: list[int] = []
         if self.start is None:
-            here = knots.take(inner)
-            changed = (here != self.local_knots.take(inner + 1)).any(axis=1)
-            first = int(changed.argmax()) if changed.any() else p
-            wanted.append((0, 1, first, p, p, here))
+            rows[:left] = self.local_rows[1 : left + 1]
+            places += range(left, p)
+            spans += [p] * (p - left)
         if self.stop is None:
-            here = knots.take(inner + (count - p))
-            changed = (here != self.local_knots.take(inner + size)).any(axis=1)
-            last = count - p - 1
-            if changed.any():
-                last += p - int(changed[::-1].argmax())
-            wanted.append((count - p, size, 0, last - (count - p) + 1, size + p, here))
-        weights: Array | None = None
+            rows[count - right :] = self.local_rows[size + p - right : size + p]
+            places += range(count - p, count - right)
+            spans += [size + p] * (p - right)
+        if places:
+            at = np.array(places)
+            inner = knots.take(at[:, None] + np.arange(1, p + 1))
+            rows[at] = blossom(self.local_knots, self.local_rows, p, np.array(spans), inner)
+        free = slice(p if self.start is None else 1, count - (p if self.stop is None else 1))
+        points, weights = rows, None
         if self.rational:
-            assert self.old is not None
-            greville = sliding_window_view(knots[1:-1], p).mean(axis=1)
-            greville = np.clip(greville, self.old[0][p], self.old[0][-p - 1])
-            weights = evaluate(self.old[0], self.old[1][:, None], p, greville)[:, 0]
-        for at, source, low, high, span, here in wanted:
-            rows = self.local_rows[source : source + p].copy()
-            if low < high:
-                rows[low:high] = blossom(
-                    self.local_knots, self.local_rows, p, np.full(high - low, span), here[low:high]
-                )
-            if weights is None:
-                points[at : at + p] = rows
-            else:
-                w = rows[:, -1]
-                if not (w > 0).all():
-                    raise WeightError
-                points[at : at + p] = rows[:, :-1] / w[:, None]
-                weights[at : at + p] = w
+            points, weights = self._euclidean(knots, rows, free)
         if self.start is not None:
             points[0] = self.start
         if self.stop is not None:
             points[-1] = self.stop
-        return points, weights, first, last
+        return points, free, weights
+
+    def _euclidean(self, knots: Array, rows: Array, free: slice) -> tuple[Array, Array]:
+        """Divide fixed homogeneous rows by their weights, and continue the weights inside.
+
+        Inside, the weights are the old weight function at the averages of p inner knots
+        (Schoenberg's operator): near the old function where knots are dense, and always positive.
+        """
+        assert self.old is not None
+        p, count = self.degree, len(rows)
+        averages = sliding_window_view(knots[1:-1], p).mean(axis=1)
+        averages = np.clip(averages, self.old[0][p], self.old[0][-p - 1])
+        weights = evaluate(self.old[0], self.old[1][:, None], p, averages)[:, 0]
+        fixed = np.ones(count, dtype=bool)
+        fixed[free] = False
+        fixed[0] &= self.start is None
+        fixed[-1] &= self.stop is None
+        weights[fixed] = rows[fixed, -1]
+        if not (weights > 0).all():
+            raise WeightError
+        return rows[:, :-1] / weights[:, None], weights

@@ -22,6 +22,15 @@ from multirep.splines.least_squares import polyline_rows, solve_window
 #: How much more a row counts that lies on a knot of full multiplicity: so corners are met almost
 #: exactly. Larger would cost digits in the normal equations.
 CORNER_WEIGHT = 1e4
+#: Rows on each span, times the degree. With fewer, splines with as many knots as the polyline has
+#: vertices swing between the rows; more only cost time.
+ROWS_PER_DEGREE = 2
+
+
+#: Only a vertex that stands out by this many allowances may become a corner, and only beside such
+#: ones a fit is looked at between the vertices of a chord. The vertices of a sampled smooth curve
+#: stand out by half an allowance.
+KINK_HEIGHT = 1.0
 
 
 class Course(NamedTuple):
@@ -37,12 +46,38 @@ class Course(NamedTuple):
     """The smallest allowance."""
     uniform: bool
     """Whether all allowances are the same."""
+    heights: Array
+    """(m - 1,): how far each inner vertex stands from the line between its neighbours at equal t, over
+    its allowance. The kink J times h1 h2 / (h1 + h2); four sagittas on a sampled smooth curve."""
+    row_t: Array
+    row_points: Array
+    """The same polyline with the middles of chords beside kinks as vertices, for the rows of a fit."""
 
     @classmethod
     def of(cls, t: Array, points: Array, allowance: Array) -> Course:
         """Make a course of a polyline and what is allowed on each chord."""
         tightest = float(allowance.min())
-        return cls(t, points, allowance, tightest, tightest == float(allowance.max()))
+        uniform = tightest == float(allowance.max())
+        share = (t[1:-1] - t[:-2]) / (t[2:] - t[:-2])
+        off = points[2:] - points[:-2]
+        off *= share[:, None]
+        off += points[:-2]
+        off -= points[1:-1]
+        heights = np.sqrt(np.einsum("md,md->m", off, off))
+        heights /= tightest if uniform else np.minimum(allowance[:-1], allowance[1:])
+        row_t, row_points = t, points
+        kinked = heights > KINK_HEIGHT
+        if kinked.any():
+            beside = np.zeros(len(t) - 1, dtype=bool)
+            beside[:-1] = kinked
+            beside[1:] |= kinked
+            at = np.flatnonzero(beside)
+            middle = 0.5 * t[at] + 0.5 * t[at + 1]
+            at = at[(t[at] < middle) & (middle < t[at + 1])]
+            middle = 0.5 * t[at] + 0.5 * t[at + 1]
+            row_t = np.insert(t, at + 1, middle)
+            row_points = np.insert(points, at + 1, 0.5 * points[at] + 0.5 * points[at + 1], axis=0)
+        return cls(t, points, allowance, tightest, uniform, heights, row_t, row_points)
 
     @classmethod
     def from_sampled(cls, sampled: SampledSplice, tolerance: float) -> Course:
@@ -77,6 +112,10 @@ class Ends(Protocol):
 
     def fixed(self, knots: Array, breakpoints: Breakpoints) -> tuple[Array, slice, Array | None]:
         """Return control points with the fixed rows filled in, the free slice, and weights."""
+        ...
+
+    def roomy(self, breakpoints: Breakpoints) -> Breakpoints:
+        """Return breakpoints with so many knots that the rows fixed at both ends do not overlap."""
         ...
 
 
@@ -124,7 +163,9 @@ class Problem:
         p, course = self.degree, self.course
         knots = self.ends.knots(breakpoints)
         fixed, free, weights = self.ends.fixed(knots, breakpoints)
-        rows, targets, row_weights = polyline_rows(knots, p, course.t, course.points)
+        rows, targets, row_weights = polyline_rows(
+            knots, p, course.row_t, course.row_points, per_span=ROWS_PER_DEGREE * p + 1
+        )
         at = breakpoints.at
         firsts = rows.searchsorted(at)
         corners = np.flatnonzero(breakpoints.times[1:-1] >= p)
@@ -161,8 +202,3 @@ class Problem:
             splits=splits,
             allowance=course.tightest if course.uniform else course.allowance,
         )
-
-
-def minimal(degree: int, start: float, stop: float, left: int, right: int) -> Breakpoints:
-    """Return the breakpoints of a single span, with multiplicities at its ends."""
-    return Breakpoints(np.array([start, stop]), np.array([left, right], dtype=np.intp))

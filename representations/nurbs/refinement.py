@@ -6,36 +6,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from multirep.arrays import Array, Indices
-from multirep.representations.nurbs.problem import Breakpoints, Course, Trial
+from multirep.representations.nurbs.problem import KINK_HEIGHT, Breakpoints, Course, Trial
 
 #: A span with at most CORNER_VERTICES vertices of the polyline inside gets a corner when its
 #: residual exceeds the allowance this many times: smooth knots around a kink of height H need
 #: about log(H / allowance) of them, a corner p.
 CORNER_RATIO = 3.0
 CORNER_VERTICES = 2
-#: Only a vertex that stands out by this many allowances may become a corner. The vertices of a
-#: sampled smooth curve stand out by four sagittas, about half an allowance.
-KINK_HEIGHT = 1.0
 #: When the span at an end of the window fails though it is shorter than this part of the first chord,
 #: the join there gives up its smoothness.
 APPROACH = 1 / 16
 #: A span is cut in at most so many parts at once.
 MOST_PARTS = 8
-
-
-def heights(course: Course) -> Array:
-    """How far each inner vertex stands from the line between its neighbours, over its allowance.
-
-    (m - 1,), at equal parameter: the kink J times h1 h2 / (h1 + h2). From a few allowances on, a
-    smooth curve needs more control points around the vertex than a corner costs.
-    """
-    t, points = course.t, course.points
-    share = (t[1:-1] - t[:-2]) / (t[2:] - t[:-2])
-    line = points[:-2] + share[:, None] * (points[2:] - points[:-2])
-    off = np.sqrt(((points[1:-1] - line) ** 2).sum(axis=1))
-    if course.uniform:
-        return np.asarray(off / course.tightest)
-    return np.asarray(off / np.minimum(course.allowance[:-1], course.allowance[1:]))
 
 
 def refined(
@@ -98,7 +80,7 @@ def refined(
 def kinks(course: Course) -> NDArray[np.bool_]:
     """Which vertices, (m + 1,), have a kink that can matter; the first and the last have not."""
     found = np.zeros(len(course.t), dtype=bool)
-    found[1:-1] = heights(course) > KINK_HEIGHT
+    found[1:-1] = course.heights > KINK_HEIGHT
     return found
 
 

@@ -46,7 +46,7 @@ def searched(
     ToleranceError
         When no fit can be proved.
     """
-    trial = passed(problem, begin, tolerance)
+    trial = passed(problem, problem.ends.roomy(begin), tolerance)
     wanted = (np.maximum(trial.worst / TARGET, 1e-4) ** (1 / (problem.degree + 1))).sum()
     if wanted + 1 + len(forced) < WORTHWHILE * len(trial.worst):
         trial = fewer(problem, trial, forced, tolerance)
@@ -74,7 +74,7 @@ def fewer(problem: Problem, trial: Trial, forced: Array, tolerance: float) -> Tr
         again = equalized(problem.degree, trial)
         if len(forced):
             again = merged_breakpoints(again, forced, [], problem.degree)
-        trial = _tried(problem, again, tolerance)
+        trial = _tried(problem, problem.ends.roomy(again), tolerance)
     for _ in range(3):
         failing = np.flatnonzero(trial.worst > 1.0)
         if not len(failing):
@@ -100,7 +100,9 @@ def proved(problem: Problem, trial: Trial, tolerance: float) -> tuple[Trial, Arr
             problem.degree,
             problem.course,
             trial,
-            _spans_of(trial, problem.course.t, chords),
+            np.union1d(
+                _spans_of(trial, problem.course.t, chords), np.flatnonzero(trial.worst > 1.0)
+            ),
             corners_only=attempt >= ROUNDS,
         )
         if len(breakpoints.at) == len(trial.breakpoints.at) and bool(

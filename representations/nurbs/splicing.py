@@ -17,8 +17,14 @@ from multirep.arrays import Array
 from multirep.edit import Edit
 from multirep.errors import InvalidCurveError, ParameterError, ToleranceError
 from multirep.representations.nurbs.joining import WeightError, Window
-from multirep.representations.nurbs.problem import Breakpoints, Course, Problem, Trial
-from multirep.representations.nurbs.refinement import heights, merged_breakpoints
+from multirep.representations.nurbs.problem import (
+    KINK_HEIGHT,
+    Breakpoints,
+    Course,
+    Problem,
+    Trial,
+)
+from multirep.representations.nurbs.refinement import merged_breakpoints
 from multirep.representations.nurbs.search import CORNER_HEIGHT, searched
 from multirep.sampled import SampledSplice
 from multirep.splices import SpliceList
@@ -48,10 +54,10 @@ def spliced(curve: N, sampled: SampledSplice, tolerance: float) -> Edit[N]:
     try:
         trial, proof = searched(problem, begin, forced, tolerance)
     except WeightError:
-        raise ToleranceError(
-            f"the weights around [{start!r}, {stop!r}] vary too much to be continued inside",
-            tolerance=tolerance,
-        ) from None
+        # With full multiplicity at both ends the weights outside need not be continued inside.
+        times = begin.times.copy()
+        times[[0, -1]] = np.maximum(times[[0, -1]], curve.degree)
+        trial, proof = searched(problem, Breakpoints(begin.at, times), forced, tolerance)
     return _assembled(curve, window, trial, float(proof.max()))
 
 
@@ -118,21 +124,19 @@ def _beginning(
         np.concatenate(([start], distinct, [stop])),
         np.concatenate(([left], np.ones(len(distinct), dtype=np.intp), [right])),
     )
-    if len(course.t) > 2:
-        height = heights(course)
-        corners = course.t[1:-1][height > CORNER_HEIGHT]
-        if len(full):  # old corners stay corners where the course has a kink to speak of
-            kinks = course.t[1:-1][height > 1.0]
-            corners = np.union1d(corners, full[np.isin(full, kinks)])
-        if len(corners):
-            begin = merged_breakpoints(begin, corners, [corners], p)
+    corners = course.t[1:-1][course.heights > CORNER_HEIGHT]
+    if len(full):  # old corners stay corners where the course has a kink to speak of
+        kinks = course.t[1:-1][course.heights > KINK_HEIGHT]
+        corners = np.union1d(corners, full[np.isin(full, kinks)])
+    if len(corners):
+        begin = merged_breakpoints(begin, corners, [corners], p)
     return np.unique(forced), begin
 
 
 def _assembled(curve: N, window: Window, trial: Trial, bound: float) -> Edit[N]:
     """Put the window into the curve, and say where it changed."""
     p, domain = curve.degree, curve.domain
-    _, _, first, last = window.pinned(trial.knots)
+    left, right = window.kept(trial.knots)
     count = trial.count
     points, weights = trial.points, trial.weights
     knots, rows, bottoms = curve._knots, curve._points, curve._weights
@@ -141,22 +145,25 @@ def _assembled(curve: N, window: Window, trial: Trial, bound: float) -> Edit[N]:
         (window.last + 1, window.last) if window.stop is None else (len(knots), len(rows))
     )
     inner = trial.knots[len(window.outer_left) : len(trial.knots) - len(window.outer_right)]
-    # Fixed rows that did not change are copies: put only what did change into the arrays.
-    skip_left = min(first, p) if window.start is None else 0
-    skip_right = min(count - 1 - last, p) if window.stop is None else 0
-    begin, end = skip_left, count - skip_right
-    new_knots = knots.replaced(low_knot, high_knot, inner)
-    new_rows = rows.replaced(low + skip_left, high - skip_right, points[begin:end])
+    # Put only what did change into the arrays. The kept rows of both sides overlap where the window
+    # is shorter than an old span.
+    skip = min(right, high - low - left)
+    begin, end = left, count - skip
     new_weights = None
     if bottoms is not None:
         if weights is None:
             weights = np.full(count, bottoms[low])
-        new_weights = bottoms.replaced(low + skip_left, high - skip_right, weights[begin:end])
+        if skip < right:  # products with weights were divided again: take the old bits
+            points[count - right :] = rows.window(high - right, high)
+            weights[count - right :] = bottoms.window(high - right, high)
+        new_weights = bottoms.replaced(low + left, high - skip, weights[begin:end])
+    new_knots = knots.replaced(low_knot, high_knot, inner)
+    new_rows = rows.replaced(low + left, high - skip, points[begin:end])
     value = curve._with(knots=new_knots, points=new_rows, weights=new_weights)
     at = trial.breakpoints.at
     start, stop = float(at[0]), float(at[-1])
-    if window.start is None and skip_left < p:
-        start = max(float(trial.knots[skip_left]), domain.start)
-    if window.stop is None and skip_right < p:
-        stop = min(float(trial.knots[count - skip_right + p]), domain.stop)
+    if window.start is None and left < p:
+        start = max(float(trial.knots[left]), domain.start)
+    if window.stop is None and right < p:
+        stop = min(float(trial.knots[count - right + p]), domain.stop)
     return Edit(value, SpliceList([(start, stop)]), bound=bound)
