@@ -38,7 +38,8 @@ def draw(subject: Subject) -> Picture:
     """
     lower, upper = bounds(subject)
     size = upper - lower
-    aspect = float(size[0] / size[1]) if size[1] > 0 else math.inf
+    # A vertical line has no width, a level one no height; the panels stay within their bounds.
+    aspect = max(float(size[0] / size[1]), 1e-9) if size[1] > 0 else math.inf
     columns = 1 if aspect > WIDE else min(3, len(subject.kinds))
     boxes = _grid(len(subject.kinds), columns, aspect)
     items: list[Item] = [

@@ -80,7 +80,7 @@ def _draw(axes: Any, item: Shape, clip: Box | None, order: int) -> None:
         shape = {"circle": "o", "square": "s", "diamond": "D"}[item.shape]
         points = np.asarray(item.points).reshape(-1, 2)
         artist = axes.scatter(
-            points[:, 0], points[:, 1], area, item.fill, shape,
+            points[:, 0], points[:, 1], area, item.fill, marker=shape,
             edgecolors=item.stroke, linewidths=item.width * POINTS_PER_UNIT,
         )  # fmt: skip
     elif isinstance(item, Box):
