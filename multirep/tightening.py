@@ -14,7 +14,7 @@ from collections.abc import Callable
 import attrs
 import numpy as np
 
-from multirep.composition import chord_bounds, compose, join
+from multirep.composition import compose, join
 from multirep.deviation import chord_deviations
 from multirep.events import Event, Fitted
 from multirep.interval import Interval
@@ -111,11 +111,10 @@ def _ramped(sampled: SampledSplice, gap: np.ndarray) -> SampledSplice:
 
 
 def _led_out(sampled: SampledSplice, value: Representation) -> SampledSplice:
-    """Let a sampled splice begin where ``value`` stands, fading linearly to the samples."""
+    """Let a sampled splice begin where ``value`` stands, fading linearly to the samples.
+
+    The certificate stays that of the samples: what the shift does there is rechecked afterwards.
+    """
     a, b = sampled.interval
     fade = ((b - sampled.t) / (b - a))[:, None]
-    shift = fade * (value(a) - sampled.points[0])
-    bounds = chord_bounds(sampled) + np.linalg.norm(shift[:-1], axis=1)
-    return attrs.evolve(
-        sampled, points=sampled.points + shift, bound=float(bounds.max()), chord_bounds=bounds
-    )
+    return attrs.evolve(sampled, points=sampled.points + fade * (value(a) - sampled.points[0]))
