@@ -32,7 +32,8 @@ def stroke(polyline: Polyline, radius: float, path: Any) -> Edit[Polyline]:
     edit = check_edit(polyline, tool.edit(polyline, Scene()))
     after, way = edit.value, np.array(tool.path)
     points, t = np.asarray(after), np.asarray(after.t)
-    assert np.linalg.norm(points - way[-1], axis=1).min() >= radius * (1 - 1e-9)
+    rounding = 8 * np.spacing(after.magnitude)
+    assert np.linalg.norm(points - way[-1], axis=1).min() >= radius * (1 - 1e-9) - rounding
     assert to_segments(way[-1:], points).min() >= SAGITTA * radius
     assert (t[0], t[-1]) == tuple(polyline.domain)
     # vertices that the circle does not sweep over are there, bit by bit, with their parameters
@@ -45,7 +46,7 @@ def stroke(polyline: Polyline, radius: float, path: Any) -> Edit[Polyline]:
     new = np.array([tuple(row) not in old for row in np.column_stack([t, points]).tolist()])
     pushed = new & (off_the_line(polyline, after) > 1e-9 * radius)
     lengths = np.linalg.norm(np.diff(points, axis=0), axis=1)
-    assert (lengths[pushed[1:] | pushed[:-1]] <= 0.25 * radius * (1 + 1e-9)).all()
+    assert (lengths[pushed[1:] | pushed[:-1]] <= 0.25 * radius * (1 + 1e-9) + rounding).all()
     return edit
 
 
@@ -173,7 +174,7 @@ def test_pushed_vertices_keep_their_parameters_in_a_gentle_stroke() -> None:
 
 
 def test_a_long_pull_spreads_parameters_over_the_pulled_stretch_only() -> None:
-    """The tail runs at an even speed; the rest of the curve keeps its parameters."""
+    """The tail runs at an even speed; the rest keeps its parameters."""
     edit = stroke(LINE, 0.5, [[0, -1], [0, 40]])
     after = edit.value
     at = np.array([0.0, 0.25, 0.45, 0.55, 0.75, 1.0])
@@ -184,7 +185,7 @@ def test_a_long_pull_spreads_parameters_over_the_pulled_stretch_only() -> None:
 
 
 def test_many_small_strokes_end_in_a_refusal_and_not_in_nonsense() -> None:
-    """Pulled on and on, a stretch runs out of parameters: the tool says so, and t stays increasing."""
+    """Pulled on and on, a stretch runs out of parameters, and the tool says so."""
     value, y = LINE, -1.0
     with pytest.raises(EditError, match="no parameters are left"):  # noqa: PT012 - it takes a while
         for _ in range(4000):
@@ -255,7 +256,7 @@ def test_the_cost_follows_what_is_touched() -> None:
     [
         ({"radius": 0, "path": [[0, 0]]}, "'radius' must be > 0"),
         ({"radius": float("nan"), "path": [[0, 0]]}, "'radius' must be > 0"),
-        ({"radius": float("inf"), "path": [[0, 0]]}, "'radius' must be <"),
+        ({"radius": float("inf"), "path": [[0, 0]]}, "'radius' must be finite"),
         ({"radius": 1, "path": []}, "'path' must be a list of one point or more"),
         ({"radius": 1, "path": 3}, "'path' must be a list of one point or more"),
         ({"radius": 1, "path": [[0, 0], [1]]}, "point 1 is"),

@@ -5,7 +5,7 @@ from __future__ import annotations
 import attrs
 import numpy as np
 
-from multirep.arrays import Array
+from multirep.arrays import Array, Indices
 from multirep.errors import EditError
 from multirep.tools.spatula.sand import Mask, Sand
 
@@ -44,7 +44,8 @@ def windows(sand: Sand) -> list[Window]:
     touched[1:] |= sand.moved[:-1] & ~sand.ends[:-1]
     touched[:-1] |= sand.moved[1:] & ~sand.ends[:-1]
     kept = np.flatnonzero((sand.source >= 0) | touched)
-    source, moved, points, t = (x[kept] for x in (sand.source, sand.moved, sand.points, sand.t))
+    source, moved = sand.source[kept], sand.moved[kept]
+    points, t = sand.points[kept], sand.t[kept]
     follows = np.zeros(len(kept), dtype=bool)  # whether a segment leads here from the row before
     if len(kept):
         ends = np.add.accumulate(sand.ends)[kept]
@@ -53,7 +54,8 @@ def windows(sand: Sand) -> list[Window]:
     found = []
     for first, last in _groups(source, plain, follows):
         low, high = first + int(plain[first]), last - int(plain[last])
-        spread = _parameters(*(x[first : last + 1] for x in (t, points, moved)))
+        rows = slice(first, last + 1)
+        spread = _parameters(t[rows], points[rows], moved[rows])
         # an end that is not plain is a pushed end of the curve, and belongs to the window
         start = int(source[first]) + int(plain[first])
         stop = int(source[last]) + 1 - int(plain[last])
@@ -63,7 +65,7 @@ def windows(sand: Sand) -> list[Window]:
     return found
 
 
-def _groups(source: Array, plain: Mask, follows: Mask) -> list[tuple[int, int]]:
+def _groups(source: Indices, plain: Mask, follows: Mask) -> list[tuple[int, int]]:
     """Return (first, last) rows of what lies between untouched neighbours, these included."""
     step = np.zeros(
         len(source), dtype=bool

@@ -197,8 +197,9 @@ def _near_boxes(starts: Array, stops: Array, radius: float) -> Callable[[Array, 
     highs = np.maximum.reduceat(np.maximum(starts, stops), groups) + radius
 
     def hit(box_lows: Array, box_highs: Array) -> Mask:
-        apart = (box_lows[:, None] > highs) | (box_highs[:, None] < lows)
-        return ~apart.any(axis=2).all(axis=1)
+        apart = np.any((box_lows[:, None] > highs) | (box_highs[:, None] < lows), axis=2)
+        result: Mask = ~np.all(apart, axis=1)
+        return result
 
     return hit
 

@@ -48,10 +48,14 @@ class Spatula(Tool[Polyline]):
     name = "spatula"
     edits = Polyline
 
-    radius: float = field(validator=[validators.gt(0), validators.lt(float("inf"))])
+    radius: float = field(validator=validators.gt(0))
     """Of the circle."""
     path: tuple[tuple[float, ...], ...] = field(converter=as_points, validator=finite_points)
     """Where its centre moves; one point is a dab."""
+
+    def __attrs_post_init__(self) -> None:
+        if self.radius == float("inf"):
+            raise ValueError("'radius' must be finite: inf")
 
     def edit(self, polyline: Polyline, scene: Scene) -> Edit[Polyline]:
         """Return the polyline after the stroke; the splices run between untouched vertices.
