@@ -21,6 +21,11 @@ def norms(rows: Array) -> Array:
     return np.asarray(np.sqrt(np.einsum("md,md->m", rows, rows)))
 
 
+def project(values: Array, rational: bool) -> Array:
+    """Divide homogeneous rows by their weight, if they are homogeneous."""
+    return np.asarray(values[:, :-1] / values[:, -1:]) if rational else values
+
+
 class Stretch(NamedTuple):
     """The knots and coefficients that a spline depends on between two parameters."""
 
@@ -46,8 +51,7 @@ class Stretch(NamedTuple):
 
     def points(self, t: Array) -> Array:
         """Evaluate, and divide by the weight if the spline is rational."""
-        values = self.at(t)
-        return values[:, :-1] / values[:, -1:] if self.rational else values
+        return project(self.at(t), self.rational)
 
     def bending(self, t: Array) -> Array:
         """Evaluate ``||R''||``."""

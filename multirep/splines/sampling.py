@@ -11,7 +11,15 @@ import numpy as np
 from multirep.splines.arrays import Array, IntArray
 from multirep.splines.curvature import second_derivative_coefficients
 from multirep.splines.deviation import bernstein_deviation, curvature_deviation
-from multirep.splines.pieces import Stretch, cut_pieces, cut_stretch, norms, rounding
+from multirep.splines.evaluation import evaluate
+from multirep.splines.pieces import (
+    Stretch,
+    cut_pieces,
+    cut_stretch,
+    norms,
+    project,
+    rounding,
+)
 
 __all__ = ["sample_spline"]
 
@@ -107,7 +115,8 @@ def sample_spline(
     if degree == 1 and not rational:
         if worst > tolerance:
             raise _out_of_reach(tolerance, worst, hull)
-        return fixed, stretch.points(fixed), np.full(len(fixed) - 1, worst)
+        points = evaluate(knots, coefficients, degree, fixed)
+        return fixed, points, np.full(len(fixed) - 1, worst)
     room = tolerance - worst
     if room <= 0:
         raise _out_of_reach(tolerance, worst, hull)
@@ -120,6 +129,9 @@ def sample_spline(
     if not bool((t[1:] > t[:-1]).all()):
         t = np.unique(t)
     points = stretch.points(t)
+    if stop == stretch.breaks[-1]:
+        # `evaluate` takes a knot from its right, the stretch ends on its left.
+        points[-1] = project(evaluate(knots, coefficients, degree, t[-1:]), rational)
     bounds = _certify(stretch, second, t[:-1], t[1:], points[:-1], points[1:], slack, tolerance)
     for turn, size in enumerate(_BLOCKS):
         failing = bounds > tolerance

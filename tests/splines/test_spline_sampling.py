@@ -132,6 +132,16 @@ def test_there_are_hardly_more_samples_than_the_optimum(name: str, tolerance: fl
     assert bounds.max() <= tolerance
 
 
+def test_a_sample_at_a_knot_is_the_curve_bit_for_bit() -> None:
+    """From the right, as the curve is evaluated, although the stretch lies on the left."""
+    spline = smooth_curves()["rational"]
+    for knot in np.unique(spline.knots)[1:-1]:
+        t, points, _ = sample_spline(
+            spline.knots, spline.coefficients, 3, 0.0, float(knot), tolerance=0.1, rational=True
+        )
+        assert np.array_equal(points, curve(spline, t))
+
+
 def test_corners_cost_no_more_than_a_sample_each() -> None:
     """Every smooth stretch is counted up to a whole chord."""
     rng = np.random.default_rng(4)

@@ -1,0 +1,170 @@
+"""The smallest change of control points that meets linear conditions (NURBS book 11.5.1).
+
+A condition is a row: what a curve does at one parameter is a sum of p + 1 neighbouring control
+points with known factors. Among all changes that meet the rows, (11.76) takes the one with the
+smallest sum of squares.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from multirep.splines.arrays import Array, IntArray
+
+__all__ = ["LeastNorm", "least_norm"]
+
+#: Up to so many rows a dense orthogonal factorisation is faster than a banded one.
+_DENSE = 32
+#: Rows closer to a combination of others than this are one: only rounding would tell them apart.
+_DEPENDENT = 1e-8
+
+
+class LeastNorm(NamedTuple):
+    """What `least_norm` found.
+
+    Parameters
+    ----------
+    change : (n, d) array
+        Of the control points; 0 where they are held.
+    quality : float
+        Between 0 and 1: the smallest distance of a row (scaled to length 1 before the held columns
+        are struck out) from the rows before it. Below 1e-3 or so the change is large and wild; 0
+        means that the rows cannot be met.
+    culprits : (k,) integer array
+        The rows of which the worst one is nearly a combination, itself included.
+    """
+
+    change: Array
+    quality: float
+    culprits: IntArray
+
+
+def least_norm(starts: IntArray, rows: Array, wanted: Array, free: Array) -> LeastNorm:
+    """Solve ``B change = wanted`` for the shortest change.
+
+    Parameters
+    ----------
+    starts : (m,) integer array
+        The first column of each row, non-decreasing.
+    rows : (m, q) array
+        The q entries of B from there on; no row is all zeros.
+    wanted : (m, d) array
+        Right-hand sides.
+    free : (n,) boolean array
+        Which control points may move.
+
+    Returns
+    -------
+    LeastNorm
+        With a quality of 0 the change is 0.
+
+    Notes
+    -----
+    Up to 32 rows by a QR factorisation of the transpose; more by banded normal equations ``B B^T``
+    with one step of refinement, linear in m.
+
+    Examples
+    --------
+    Example 11.1 of the NURBS book: one point of a cubic, all four control points free.
+
+    >>> import numpy as np
+    >>> from multirep.splines import basis_functions
+    >>> knots = np.array([0, 0, 0, 0, 0.2, 0.4, 0.6, 0.8, 1, 1, 1, 1])
+    >>> rows = basis_functions(knots, 3, [0.5], np.array([5]))
+    >>> found = least_norm(np.array([2]), rows, np.array([[0.04, -0.08]]), np.ones(8, dtype=bool))
+    >>> (rows @ found.change[2:6]).round(12)
+    array([[ 0.04, -0.08]])
+    """
+    lengths = np.sqrt(np.einsum("mq,mq->m", rows, rows))
+    columns = starts[:, None] + np.arange(rows.shape[1])
+    scaled = rows / lengths[:, None] * free[columns]
+    right = wanted / lengths[:, None]
+    if len(rows) <= _DENSE:
+        factors, quality, culprits = _dense(columns, scaled, right, int(free.sum()))
+    else:
+        factors, quality, culprits = _banded(starts, scaled, right)
+    change = np.zeros((len(free), wanted.shape[1]))
+    for j in range(rows.shape[1]):
+        np.add.at(change, columns[:, j], scaled[:, j, None] * factors)
+    return LeastNorm(change, quality, culprits)
+
+
+def _dense(
+    columns: IntArray, scaled: Array, right: Array, most: int
+) -> tuple[Array, float, IntArray]:
+    """Factors of the rows from the triangle of the transpose: ``B^T = Q R``, so ``R^T R f = b``."""
+    count = len(scaled)
+    low = int(columns[0, 0])
+    matrix = np.zeros((int(columns[-1, -1]) + 1 - low, count))
+    np.put_along_axis(matrix.T, columns - low, scaled, axis=1)
+    triangle = np.linalg.qr(matrix, mode="r")
+    pivots = np.zeros(count)
+    size = min(triangle.shape)
+    pivots[:size] = np.abs(np.diagonal(triangle)[:size])
+    worst = int(pivots.argmin())
+    quality = float(pivots[worst])
+    if quality < _DEPENDENT or count > most:
+        return np.zeros_like(right), 0.0, _combined(triangle, pivots)
+    from scipy.linalg.lapack import dtrtrs
+
+    factors = right
+    for transposed in (1, 0):
+        factors, _ = dtrtrs(triangle, factors, trans=transposed)
+    # The products lose what the condition costs; one correction brings it back.
+    missed = right - matrix.T @ (matrix @ factors)
+    for transposed in (1, 0):
+        missed, _ = dtrtrs(triangle, missed, trans=transposed)
+    return factors + missed, quality, _combined(triangle, pivots)
+
+
+def _combined(triangle: Array, pivots: Array) -> IntArray:
+    """Rows that combine to the first one that (nearly) depends on those before it."""
+    row = int((pivots <= 2 * pivots.min()).argmax())
+    before = min(row, len(triangle))
+    shares, *_ = np.linalg.lstsq(triangle[:before, :before], triangle[:before, row], rcond=1e-12)
+    return np.append(np.flatnonzero(np.abs(shares) > 1e-3), row)
+
+
+def _banded(starts: IntArray, scaled: Array, right: Array) -> tuple[Array, float, IntArray]:
+    """Factors of the rows from the banded Gram matrix."""
+    from scipy.linalg.lapack import dpbtrf, dpbtrs
+
+    count, width = scaled.shape
+    ahead = starts.searchsorted(starts + width) - np.arange(count)
+    gram = np.zeros((int(ahead.max()), count))
+    padded = np.concatenate((scaled, np.zeros((count, width))), axis=1)
+    for diagonal in range(len(gram)):
+        shift = np.minimum(starts[diagonal:] - starts[: count - diagonal], width)
+        places = shift[:, None] + np.arange(width)
+        shifted = np.take_along_axis(padded[: count - diagonal], places, axis=1)
+        gram[diagonal, : count - diagonal] = np.einsum(
+            "mq,mq->m", shifted, scaled[diagonal:]
+        )
+    factor, info = dpbtrf(gram, lower=1)
+    if info > 0:
+        return np.zeros_like(right), 0.0, _near(starts, width, info - 1)
+    pivots = factor[0]
+    worst = int(pivots.argmin())
+    if pivots[worst] < _DEPENDENT:
+        return np.zeros_like(right), 0.0, _near(starts, width, worst)
+    factors, _ = dpbtrs(factor, right, lower=1)
+    missed = right - _times(gram, factors)
+    correction, _ = dpbtrs(factor, missed, lower=1)
+    return factors + correction, float(pivots[worst]), _near(starts, width, worst)
+
+
+def _near(starts: IntArray, width: int, row: int) -> IntArray:
+    """Rows up to ``row`` that share a control point with it."""
+    return np.flatnonzero(starts[: row + 1] > starts[row] - width)
+
+
+def _times(gram: Array, factors: Array) -> Array:
+    """Multiply the symmetric banded matrix, given by its lower diagonals."""
+    product = gram[0][:, None] * factors
+    for diagonal in range(1, len(gram)):
+        entries = gram[diagonal, :-diagonal, None]
+        product[diagonal:] += entries * factors[:-diagonal]
+        product[:-diagonal] += entries * factors[diagonal:]
+    return product
