@@ -1,6 +1,7 @@
 """Spans and basis functions against their definitions, on exactly representable grids."""
 
 from fractions import Fraction
+from typing import Literal
 
 import numpy as np
 import pytest
@@ -18,10 +19,10 @@ PARAMETERS = st.lists(st.integers(0, 64).map(lambda k: k / 64), min_size=1, max_
 
 @given(dyadic_splines(), PARAMETERS, st.sampled_from(["left", "right"]))
 def test_the_span_of_a_parameter_is_never_empty_and_holds_it(
-    spline: DyadicSpline, t: list[float], side: str
+    spline: DyadicSpline, t: list[float], side: Literal["left", "right"]
 ) -> None:
     """Closed on the side that is asked for, except at the ends of the domain."""
-    spans = find_spans(spline.knots, spline.degree, t, side=side)  # type: ignore[arg-type]
+    spans = find_spans(spline.knots, spline.degree, t, side=side)
     for value, k in zip(t, spans, strict=True):
         low, high = spline.knots[k], spline.knots[k + 1]
         assert low < high

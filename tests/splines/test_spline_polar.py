@@ -27,7 +27,7 @@ def test_blossoms_agree_with_the_recursion(
     span = find_spans(knots, p, [t])
     low, high = knots[span[0]], knots[span[0] + 1]
     shares = data.draw(st.lists(FRACTIONS, min_size=p, max_size=p))
-    arguments = [low + share * (high - low) for share in shares]
+    arguments = [float(low + share * (high - low)) for share in shares]
     true = blossom_value(
         exact(knots.tolist()),
         [exact(row) for row in points.tolist()],

@@ -247,8 +247,8 @@ def test_corners_are_knots_with_two_different_derivatives(spline: DyadicSpline) 
     for knot in np.unique(knots[p + 1 : -p - 1]):
         sides = []
         for side in ("left", "right"):
-            point = evaluate(knots, coefficients, p, [knot], side=side)[0]  # type: ignore[arg-type]
-            slope = evaluate(knots, coefficients, p, [knot], order=1, side=side)[0]  # type: ignore[arg-type]
+            point = evaluate(knots, coefficients, p, [knot], side=side)[0]
+            slope = evaluate(knots, coefficients, p, [knot], order=1, side=side)[0]
             if rational:
                 slope = (slope[:-1] - slope[-1] * point[:-1] / point[-1]) / point[-1]
             sides.append(slope)
