@@ -14,7 +14,7 @@ from multirep.tools.spatula.sand import Mask, Sand
 #: stretch, the parameters of the whole stretch are spread in proportion instead. Larger keeps more
 #: parameters of pushed vertices; smaller keeps the speed more even, which the splines that follow
 #: need.
-FASTEST = 4.0
+FASTEST = 2.0
 #: Shortest segment in terms of a stretch, for its share of the parameters: points may coincide.
 SHORTEST = 2.0**-20
 
