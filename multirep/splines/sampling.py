@@ -44,6 +44,9 @@ _FEW = 0.02
 # A chord is cut into this many parts at most in one round.
 _MOST_PARTS = 16
 _SPLITS = 2
+# The tolerance must exceed what rounding may cost by this share of it: the count grows without
+# bound as the room between them vanishes.
+_LEAST_ROOM = 0.25
 
 
 def sample_spline(
@@ -118,7 +121,7 @@ def sample_spline(
         points = evaluate(knots, coefficients, degree, fixed)
         return fixed, points, np.full(len(fixed) - 1, worst)
     room = tolerance - worst
-    if room <= 0:
+    if room < _LEAST_ROOM * worst:
         raise _out_of_reach(tolerance, worst, hull)
 
     second = None
