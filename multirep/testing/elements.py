@@ -61,8 +61,9 @@ def default_elements(value: Representation) -> list[Elements]:
     """List what splines (``knots``, ``points``, ``weights``) and polylines (``t``) store.
 
     A control point i matters on [knots[i], knots[i + degree + 1]]; a vertex between its neighbours;
-    a knot or a vertex parameter at itself. Anything else is not known: the list is empty, and only
-    evaluation is compared.
+    a knot or a vertex parameter at itself, where a knot at or beyond an end of T may change with
+    whatever is beside that end. Anything else is not known: the list is empty, and only evaluation
+    is compared.
     """
     points = getattr(value, "points", None)
     if points is None:
@@ -72,8 +73,15 @@ def default_elements(value: Representation) -> list[Elements]:
         knots = np.asarray(value.knots)
         order = len(knots) - len(rows)
         starts, stops = knots[:-order], knots[order:]
+        first, last = value.domain
+        before, after = knots <= first, knots >= last
         found = [
-            Elements("knots", knots, knots, knots[:, None]),
+            Elements(
+                "knots",
+                np.where(after, np.nextafter(last, -np.inf), np.where(before, -np.inf, knots)),
+                np.where(before, np.nextafter(first, np.inf), np.where(after, np.inf, knots)),
+                knots[:, None],
+            ),
             Elements("points", starts, stops, rows),
         ]
         if hasattr(value, "weights"):

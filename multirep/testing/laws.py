@@ -317,6 +317,7 @@ def dense_parameters(
         column for v in (value, *others) for e in elements(v) for column in (e.starts, e.stops)
     ]
     known = np.unique(np.concatenate(stored)) if stored else np.empty(0)
+    known = known[(start <= known) & (known <= stop)]
     if len(known) > STORED:
         far = np.abs(known[:, None] - ends).min(axis=1) if len(ends) else np.arange(len(known)) % 97
         known = np.sort(known[np.argsort(far, kind="stable")[:STORED]])

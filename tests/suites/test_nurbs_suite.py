@@ -17,7 +17,8 @@ def wavy(degree: int, n: int, dimension: int) -> Nurbs:
     knots = np.r_[[0.0] * (degree + 1), inner, [1.0] * (degree + 1)]
     greville = np.array([knots[i + 1 : i + degree + 1].mean() for i in range(n)])
     rates = 3.0 + np.arange(dimension)
-    return Nurbs(degree, knots, np.sin(rates * greville[:, None]) + 0.02 * rng.normal(size=(n, 1)))
+    points = np.sin(rates * greville[:, None]) + 0.02 * rng.normal(size=(n, 1))
+    return Nurbs(degree=degree, knots=knots, points=points)
 
 
 class TestCubicNurbs(RepresentationSuite):
@@ -57,7 +58,7 @@ class TestRationalNurbs(RepresentationSuite):
     def representation(self) -> Nurbs:
         corners = [[1, 0], [1, 1], [0, 1], [-1, 1], [-1, 0], [-1, -1], [0, -1], [1, -1], [1, 0]]
         knots = np.array([0, 0, 0, 1, 1, 2, 2, 3, 3, 4, 4, 4]) / 4
-        return Nurbs(2, knots, corners, [1, 0.5**0.5] * 4 + [1])
+        return Nurbs(degree=2, knots=knots, points=corners, weights=[*[1, 0.5**0.5] * 4, 1])
 
 
 class TestRationalCubicNurbs(RepresentationSuite):
@@ -68,4 +69,4 @@ class TestRationalCubicNurbs(RepresentationSuite):
         rng = np.random.default_rng(8)
         knots = [-0.3, -0.2, -0.05, 0, 0.1, 0.25, 0.25, 0.25, 0.5, 0.6, 0.8, 1, 1.1, 1.2, 1.5]
         points = np.cumsum(rng.uniform(-1, 1.5, (11, 3)), axis=0)
-        return Nurbs(3, knots, points, 2.0 ** rng.uniform(-2, 2, 11))
+        return Nurbs(degree=3, knots=knots, points=points, weights=2.0 ** rng.uniform(-2, 2, 11))

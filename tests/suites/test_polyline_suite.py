@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import ClassVar
+
 import numpy as np
 import pytest
 
@@ -20,11 +22,13 @@ class TestPolyline(RepresentationSuite):
 class TestLongPolyline(RepresentationSuite):
     """Several blocks of vertices, rough, over another T, in space."""
 
+    finest: ClassVar = 1e-6
+
     @pytest.fixture
     def representation(self) -> Polyline:
         rng = np.random.default_rng(6)
-        t = np.linspace(-2.0, 3.0, 6_000)
-        walk = np.cumsum(rng.normal(size=(6_000, 3)), axis=0)
+        t = np.linspace(-2.0, 3.0, 9_000)
+        walk = np.cumsum(rng.normal(size=(9_000, 3)), axis=0)
         return Polyline(t, walk)
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import ClassVar
+
 import numpy as np
 import pytest
 
@@ -22,6 +24,8 @@ class TestWaveletBSpline(RepresentationSuite):
 
 class TestLongWaveletBSpline(RepresentationSuite):
     """Rough, over another T, in space."""
+
+    finest: ClassVar = 1e-5  # that many samples take their time; the smooth one goes further
 
     @pytest.fixture
     def representation(self) -> WaveletBSpline:
