@@ -236,12 +236,10 @@ class Nurbs(Representation):
         flat = at.ravel()
         if not len(flat):
             return np.empty((*at.shape, self.dimension))
+        which: Side = "left" if side == "left" else "right"
+        first, last = self.span(float(flat.min()), which), self.span(float(flat.max()), which)
         values = evaluation.window_derivative(
-            *self._window(float(flat.min()), float(flat.max())),
-            self.degree,
-            flat,
-            int(order),
-            "left" if side == "left" else "right",
+            *self._arrays(first, last), self.degree, flat, int(order), which
         )
         return values.reshape(*at.shape, self.dimension)
 
