@@ -36,7 +36,7 @@ def problems(
 
 def _curve(curve: dict[str, Any], stated: dict[str, Any], parameters: int) -> Iterator[str]:
     start, stop = curve["domain"]
-    readers = {"polyline": _polyline, "nurbs": _nurbs, "wavelet": _wavelet}
+    readers = {"polyline": read_polyline, "nurbs": read_nurbs, "wavelet": read_wavelet}
     evaluators, breaks = {}, []
     for kind, read in readers.items():
         if curve.get(kind) is not None:
@@ -70,7 +70,7 @@ def _curve(curve: dict[str, Any], stated: dict[str, Any], parameters: int) -> It
             yield f"{one}~{two}: only {bounds['upper']:g} is proved, tolerance {tolerance:g}"
 
 
-def _polyline(data: dict[str, Any], start: float, stop: float) -> tuple[Evaluate, Any]:
+def read_polyline(data: dict[str, Any], start: float, stop: float) -> tuple[Evaluate, Any]:
     t, points = np.asarray(data["t"], float), np.asarray(data["points"], float)
     assert t[0] == start, "a polyline starts where the domain does"
     assert t[-1] == stop, "a polyline stops where the domain does"
@@ -82,7 +82,7 @@ def _polyline(data: dict[str, Any], start: float, stop: float) -> tuple[Evaluate
     return evaluate, t
 
 
-def _nurbs(data: dict[str, Any], start: float, stop: float) -> tuple[Evaluate, Any]:
+def read_nurbs(data: dict[str, Any], start: float, stop: float) -> tuple[Evaluate, Any]:
     degree = data["degree"]
     knots, points, weights = (np.asarray(data[k], float) for k in ("knots", "points", "weights"))
     assert len(knots) == len(points) + degree + 1
@@ -99,7 +99,7 @@ def _nurbs(data: dict[str, Any], start: float, stop: float) -> tuple[Evaluate, A
     return evaluate, np.unique(knots)
 
 
-def _wavelet(data: dict[str, Any], start: float, stop: float) -> tuple[Evaluate, Any]:
+def read_wavelet(data: dict[str, Any], start: float, stop: float) -> tuple[Evaluate, Any]:
     knots = np.asarray(data["knots"], float)
     assert (knots[:4] == start).all(), "the first knot is fourfold"
     assert (knots[-4:] == stop).all(), "the last knot is fourfold"
@@ -107,7 +107,7 @@ def _wavelet(data: dict[str, Any], start: float, stop: float) -> tuple[Evaluate,
     cells = (knots - start) / (stop - start) * 2.0 ** data["level"]
     assert (np.abs(cells - np.rint(cells)) <= 1e-9 * 2.0 ** data["level"]).all(), "knots are dyadic"
     ones = [1.0] * len(data["points"])
-    return _nurbs({**data, "degree": 3, "weights": ones}, start, stop)
+    return read_nurbs({**data, "degree": 3, "weights": ones}, start, stop)
 
 
 def main() -> int:

@@ -13,12 +13,16 @@ import numpy as np
 from attrs import frozen
 
 DATA = Path(__file__).parent / "data"
+KINDS = ("icons", "glyphs", "strokes", "airfoils", "coastlines", "nurbs")
+#: Two glyphs have an anchor: a sub-path that is closed where it starts, and nothing else.
+ONE_POINT = ("DejaVuSans/U+016F/1", "DejaVuSans/U+0117/1")
 
 
 @frozen
 class Entry:
-    """A curve of the corpus: its name, the keys that give its geometry, files to lay beside."""
+    """A curve: its data file, its name, the keys that give its geometry, files to lay beside."""
 
+    kind: str
     name: str
     keys: str
     files: dict[str, str]
@@ -46,37 +50,37 @@ def items(kind: str) -> list[dict[str, Any]]:
 def corpus() -> Iterator[Entry]:
     """Yield every curve."""
     for icon in items("icons"):
-        yield from _drawing(icon["name"], icon["d"], icon["subpaths"])
+        yield from _drawing("icons", icon["name"], icon["d"], icon["subpaths"])
     for glyph in items("glyphs"):
         d = " ".join(" ".join(map(str, command)) for command in glyph["commands"])
-        yield from _drawing(glyph["name"], d, glyph["subpaths"])
+        yield from _drawing("glyphs", glyph["name"], d, glyph["subpaths"])
     for drawing in items("strokes"):
         for number, stroke in enumerate(drawing["strokes"]):
-            yield _points(f"{drawing['name']}/{number}", stroke)
+            yield _points("strokes", f"{drawing['name']}/{number}", stroke)
     for airfoil in items("airfoils"):
-        yield _points(airfoil["name"], airfoil["points"])
+        yield _points("airfoils", airfoil["name"], airfoil["points"])
     for ring in items("coastlines"):
         points = unpack(ring)
-        yield _points(ring["name"], [*points, points[0]])
+        yield _points("coastlines", ring["name"], [*points, points[0]])
     for curve in items("nurbs"):
         points = np.array(curve["points"])
         if np.ptp(points[:, 2]) == 0:
             points = points[:, :2]
         data = {k: curve[k] for k in ("degree", "knots", "weights")} | {"points": points.tolist()}
         files = {"curve.json": json.dumps(data)}
-        yield Entry(curve["name"], 'nurbs = "curve.json"', files)
+        yield Entry("nurbs", curve["name"], 'nurbs = "curve.json"', files)
 
 
-def _drawing(name: str, d: str, subpaths: int) -> Iterator[Entry]:
+def _drawing(kind: str, name: str, d: str, subpaths: int) -> Iterator[Entry]:
     svg = f'<svg xmlns="http://www.w3.org/2000/svg"><path d="{d}"/></svg>'
     for element in range(subpaths):
         keys = f'svg = "drawing.svg"\nelement = {element}'
-        yield Entry(f"{name}/{element}", keys, {"drawing.svg": svg})
+        yield Entry(kind, f"{name}/{element}", keys, {"drawing.svg": svg})
 
 
-def _points(name: str, points: list[list[float]]) -> Entry:
+def _points(kind: str, name: str, points: list[list[float]]) -> Entry:
     files = {"points.json": json.dumps(points)}
-    return Entry(name, 'points = "points.json"', files, len(points))
+    return Entry(kind, name, 'points = "points.json"', files, len(points))
 
 
 def unpack(ring: dict[str, Any]) -> list[list[float]]:
