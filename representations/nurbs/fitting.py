@@ -10,7 +10,7 @@ from multirep.errors import InvalidCurveError, ToleranceError
 from multirep.representations.nurbs.equalizing import equalized
 from multirep.representations.nurbs.problem import Breakpoints, Course, Problem, Trial
 from multirep.representations.nurbs.refinement import merged_breakpoints, refined
-from multirep.representations.nurbs.search import CORNER_HEIGHT, passed, proved
+from multirep.representations.nurbs.search import CORNER_HEIGHT, evened, passed, proved
 from multirep.representations.nurbs.simplification import simplified
 from multirep.representations.nurbs.validation import LARGEST_DEGREE
 from multirep.sampled import SampledSplice
@@ -129,7 +129,9 @@ def _fewest(problem: Problem, trial: Trial) -> Trial:
                 trial = problem.tried(equalized(problem.degree, trial))
             for _ in range(CUTTING_PASSES):
                 failing = np.flatnonzero(trial.worst > 1.0)
-                if not len(failing):
+                better = evened(problem, trial) if len(failing) else trial
+                if better is not None:
+                    trial = better
                     break
                 trial = problem.tried(refined(problem.degree, problem.course, trial, failing))
         except np.linalg.LinAlgError:

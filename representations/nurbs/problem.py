@@ -152,8 +152,14 @@ class Problem:
     course: Course
     ends: Ends
 
-    def tried(self, breakpoints: Breakpoints) -> Trial:
+    def tried(self, breakpoints: Breakpoints, emphasis: Array | None = None) -> Trial:
         """Fit on given knots.
+
+        Parameters
+        ----------
+        breakpoints : Breakpoints
+        emphasis : (r,) array, optional
+            Factors of the rows' weights; r as in an earlier trial with these breakpoints.
 
         Raises
         ------
@@ -176,6 +182,8 @@ class Problem:
             row_weights /= (allowed / course.tightest) ** 2
         else:
             allowed = course.tightest
+        if emphasis is not None:
+            row_weights *= emphasis
         points = solve_window(knots, p, fixed, free, rows, targets, row_weights, weights)
         if weights is None:
             there = evaluate(knots, points, p, rows)

@@ -14,7 +14,12 @@ from multirep.representations.nurbs.refinement import merged_breakpoints, refine
 #: would cost more control points. Measured on coastlines; flat between 5 and 20.
 CORNER_HEIGHT = 10.0
 #: Rounds of cutting before the last resort, corners at all vertices of what still fails.
-ROUNDS = 24
+ROUNDS = 20
+LAST_ROUNDS = 4
+#: Residuals that exceed their allowance by no more than this may be evened out instead.
+EVENING_RATIO = 1.5
+EVENING_STEPS = 3
+EVENING_FLOOR = 0.1
 #: Fewer spans must be this part of the present ones before a spliced window is laid out anew:
 #: nearer to 1, a drag would move knots about at every step.
 WORTHWHILE = 0.75
@@ -56,15 +61,54 @@ def searched(
 def passed(problem: Problem, begin: Breakpoints, tolerance: float) -> Trial:
     """Cut spans until no residual exceeds its allowance."""
     breakpoints = begin
-    for attempt in range(ROUNDS + 4):
+    for attempt in range(ROUNDS + LAST_ROUNDS):
         trial = _tried(problem, breakpoints, tolerance)
         failing = np.flatnonzero(trial.worst > 1.0)
         if not len(failing):
             return trial
-        breakpoints = refined(
-            problem.degree, problem.course, trial, failing, corners_only=attempt >= ROUNDS
-        )
+        better = evened(problem, trial)
+        if better is not None:
+            return better
+        breakpoints = _cut(problem, trial, failing, attempt)
     raise _out_of_reach(problem, trial, float(trial.worst.max()), tolerance)
+
+
+def evened(problem: Problem, trial: Trial) -> Trial | None:
+    """Even residuals out on the same knots, if that may suffice; None when it does not.
+
+    Least squares leave the largest residuals up to twice as large as need be. Weighting rows by
+    their residuals (Lawson 1961) moves towards the smallest maximum; the first few steps gain most.
+    """
+    worst = float(trial.worst.max())
+    if worst > EVENING_RATIO:
+        return None
+    emphasis = np.ones(len(trial.rows))
+    for _ in range(EVENING_STEPS):
+        emphasis *= EVENING_FLOOR + trial.ratios / worst
+        try:
+            trial = problem.tried(trial.breakpoints, emphasis)
+        except np.linalg.LinAlgError:
+            return None
+        before, worst = worst, float(trial.worst.max())
+        if worst <= 1.0:
+            return trial
+        if worst > before:
+            return None
+    return None
+
+
+def _cut(problem: Problem, trial: Trial, failing: Indices, attempt: int) -> Breakpoints:
+    """Cut failing spans; when that went on in vain, make corners there and, soon, everywhere.
+
+    A spline with a corner at every vertex is the polyline itself.
+    """
+    spread = attempt - ROUNDS
+    if spread > 0:
+        near = np.arange(-(8**spread), 8**spread + 1)
+        failing = np.unique(np.clip(failing[:, None] + near, 0, len(trial.worst) - 1))
+    if spread == LAST_ROUNDS - 2:
+        failing = np.arange(len(trial.worst))
+    return refined(problem.degree, problem.course, trial, failing, corners_only=spread >= 0)
 
 
 def fewer(problem: Problem, trial: Trial, forced: Array, tolerance: float) -> Trial:
@@ -77,8 +121,9 @@ def fewer(problem: Problem, trial: Trial, forced: Array, tolerance: float) -> Tr
         trial = _tried(problem, problem.ends.roomy(again), tolerance)
     for _ in range(3):
         failing = np.flatnonzero(trial.worst > 1.0)
-        if not len(failing):
-            return trial if trial.count < best.count else best
+        better = evened(problem, trial) if len(failing) else trial
+        if better is not None:
+            return better if better.count < best.count else best
         trial = _tried(
             problem, refined(problem.degree, problem.course, trial, failing), tolerance
         )
@@ -88,7 +133,7 @@ def fewer(problem: Problem, trial: Trial, forced: Array, tolerance: float) -> Tr
 def proved(problem: Problem, trial: Trial, tolerance: float) -> tuple[Trial, Array]:
     """Prove a trial that passed; where the proof fails, cut and prove again."""
     allowance = problem.course.allowance
-    for attempt in range(ROUNDS + 4):
+    for attempt in range(ROUNDS + LAST_ROUNDS):
         proof = problem.proved(trial)
         chords = np.flatnonzero(proof > allowance)
         if len(chords):
@@ -96,15 +141,10 @@ def proved(problem: Problem, trial: Trial, tolerance: float) -> tuple[Trial, Arr
             chords = np.flatnonzero(proof > allowance)
         if not len(chords):
             return trial, proof
-        breakpoints = refined(
-            problem.degree,
-            problem.course,
-            trial,
-            np.union1d(
-                _spans_of(trial, problem.course.t, chords), np.flatnonzero(trial.worst > 1.0)
-            ),
-            corners_only=attempt >= ROUNDS,
+        failing = np.union1d(
+            _spans_of(trial, problem.course.t, chords), np.flatnonzero(trial.worst > 1.0)
         )
+        breakpoints = _cut(problem, trial, failing, attempt)
         if len(breakpoints.at) == len(trial.breakpoints.at) and bool(
             (breakpoints.times == trial.breakpoints.times).all()
         ):
