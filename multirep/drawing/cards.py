@@ -88,7 +88,8 @@ def panel(subject: Subject, kind: str, box: Box, lower: Array, upper: Array) -> 
         controls = draw_controls(representation, place, colour)
         page = _page(representation, representation.domain, frame, subject.y_up)
         items += changed_stretches(curve, representation, frame, subject.y_up, 11.0)
-        items += [*controls.polygon, Lines((page,), colour, 1.9), *controls.items]
+        width = 1.9 * _fineness(page, box)
+        items += [*controls.polygon, Lines((page,), colour, width), *controls.items]
         drawn.append(controls)
     sizes = sum(c.representations[kind].size for c in subject.curves if kind in c.representations)
     notes = "; ".join(dict.fromkeys(controls.note for controls in drawn))
@@ -153,6 +154,7 @@ def overlaid(
         last = number == len(curve.representations) - 1
         width = widths[min(number, len(widths) - 1)]
         page = _page(representation, interval, frame, subject.y_up)
+        width *= _fineness(page, frame.box)
         items.append(Lines((page,), colour if last else pale, width))
     return items
 
@@ -168,6 +170,12 @@ def changed_stretches(
 
 def _page(representation: Representation, interval: Interval, frame: Frame, y_up: bool) -> Array:
     return frame(flatten(*trace(representation, interval, frame.scale), y_up=y_up))
+
+
+def _fineness(page: Array, box: Box) -> float:
+    """Return by how much a line that winds a lot is drawn thinner: 1 for most, down to a third."""
+    length = float(np.linalg.norm(np.diff(page, axis=0), axis=1).sum())
+    return float(np.clip(5.0 * (box.width + box.height) / max(length, 1.0), 1 / 3, 1.0))
 
 
 def _clip(box: Box) -> Box:
@@ -195,18 +203,22 @@ def _key(subject: Subject, box: Box) -> list[Item]:
 
 
 def _foot(box: Box, notes: str, drawn: list[Controls]) -> list[Item]:
-    """Say what the controls are; a wavelet's levels get their colours."""
+    """Say what the controls are; a wavelet's levels get their colours, the coarsest first."""
     y = box.y + box.height - 13
     levels = dict(shade for controls in drawn for shade in controls.levels)
-    step = min(24.0, (0.6 * box.width) / max(len(levels), 1))
     items: list[Item] = [Text(box.x + MARGIN, y, _fit(notes, box.width), SMALL, MUTED)]
     if len(drawn) > 1:
         return items  # each curve has levels of its own
-    for place, (level, colour) in enumerate(sorted(levels.items(), reverse=True)):
-        x = box.x + box.width - MARGIN - place * step
-        items.append(Text(x, y, str(level), SMALL, MUTED, "end"))
-        wide = 7.2 * len(str(level))
-        items.append(Marks(np.array([[x - wide - 4, y - 4]]), "circle", 3.2, colour))
+    x = box.x + box.width - MARGIN
+    ends = (min(levels, default=0), max(levels, default=0))
+    for level, colour in sorted(levels.items(), reverse=True):
+        if level == ends[1]:
+            items.append(Text(x, y, str(level), SMALL, MUTED, "end"))
+            x -= 7.5 * len(str(level)) + 7.0
+        items.append(Marks(np.array([[x, y - 4]]), "circle", 3.4, colour))
+        x -= 10.0
+        if level == ends[0] < ends[1]:
+            items.append(Text(x + 2.0, y, str(level), SMALL, MUTED, "end"))
     return items
 
 

@@ -76,7 +76,7 @@ def draw_controls(curve: Representation, place: Place, colour: str) -> Controls:
         return _nurbs(shown, page, chosen, place, colour, thinned)
     if hasattr(shown, "level"):
         return _wavelet(shown, page, chosen, thinned)
-    radius = float(np.clip(150.0 / len(chosen), 1.5, 3.0))
+    radius = 1.3 if thinned else float(np.clip(150.0 / len(chosen), 1.5, 3.0))
     note = f"dots: vertices{thinned}"
     return Controls((Marks(page, "circle", radius, CARD, colour, 1.3),), note)
 
@@ -84,7 +84,7 @@ def draw_controls(curve: Representation, place: Place, colour: str) -> Controls:
 def _nurbs(
     shown: Any, page: Array, chosen: Indices, place: Place, colour: str, thinned: str
 ) -> Controls:
-    radius = float(np.clip(220.0 / len(chosen), 1.7, 3.2))
+    radius = 1.5 if thinned else float(np.clip(220.0 / len(chosen), 1.7, 3.2))
     weighted = np.asarray(shown.weights, float)[chosen] != 1.0
     items: list[Item] = []
     ticks, count = _knot_ticks(shown, place)
@@ -136,7 +136,7 @@ def _wavelet(shown: Any, page: Array, chosen: Indices, thinned: str) -> Controls
             share = (level - present.start) / max(len(present) - 1, 1)
             radius = (4.2 - 2.2 * share) * (0.75 if len(page) > 150 else 1.0)
             items.append(Marks(members, "circle", radius, shades[-1][1], CARD, 0.7))
-    note = f"coloured by level{thinned}"
+    note = f"dots: by level{thinned}"
     return Controls(tuple(items), note, _polygon(page, thinned), tuple(shades))
 
 

@@ -130,7 +130,7 @@ def magnifier(subject: Subject, box: Box, look_at: tuple[CurveSubject, float] | 
         (
             card(box),
             Text(box.x + MARGIN, box.y + 31.5, "where they differ most", HEADING, INK, bold=True),
-            Text(box.x + box.width - MARGIN, box.y + 31, f"t = {t:.4g}", BODY, MUTED, "end"),
+            Text(box.x + box.width - MARGIN, box.y + 31, f"dots: t = {t:.4g}", BODY, MUTED, "end"),
             *items,
         ),
         name="magnified",
