@@ -89,7 +89,13 @@ def difference(
     SpliceList
         One interval around everything that differs, or nothing.
     """
-    low, high, _ = knots[0].difference(knots[1])
+    low, high, other_high = knots[0].difference(knots[1])
+    while (
+        min(high, other_high) > 0
+        and knots[0][high - 1] == knots[1][other_high - 1]
+        and not (low == high == other_high)
+    ):  # a knot put beside its equals: from the right, the first of them is the new one
+        high, other_high = high - 1, other_high - 1
     equal = low == high and len(knots[0]) == len(knots[1])
     count, other = len(knots[0]), len(knots[1])
     # Spans before `first` read no changed knot and no changed row, neither do those from `last` on.
