@@ -19,7 +19,7 @@ from multirep.drawing.picture import Item, Lines, Marks
 from multirep.representation import Representation
 
 #: More controls than this are thinned evenly; the picture says so.
-MOST_CONTROLS = 420
+MOST_CONTROLS = 700
 
 Place = Callable[[Array, Array], Array]
 

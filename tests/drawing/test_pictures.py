@@ -95,7 +95,7 @@ def test_large_curves_are_thinned_and_say_so() -> None:
     marks = [item for item in parts(picture.items) if isinstance(item, Marks)]
     assert max(len(item.points) for item in marks) <= MOST_CONTROLS
     assert any(
-        isinstance(item, Text) and "1 in 8 drawn" in item.text for item in parts(picture.items)
+        isinstance(item, Text) and "1 in 5 drawn" in item.text for item in parts(picture.items)
     )
     assert len(to_svg(picture)) < 400_000
 
