@@ -12,7 +12,9 @@ if TYPE_CHECKING:
     from multirep.tools.insert_vertex import InsertVertex as InsertVertex
     from multirep.tools.move_control_point import MoveControlPoint as MoveControlPoint
     from multirep.tools.move_vertex import MoveVertex as MoveVertex
+    from multirep.tools.oversketch import Oversketch as Oversketch
     from multirep.tools.set_weight import SetWeight as SetWeight
+    from multirep.tools.sketch import Sketch as Sketch
     from multirep.tools.spatula import Spatula as Spatula
     from multirep.tools.sweep import Sweep as Sweep
 
@@ -23,7 +25,9 @@ _HOMES = {
     "InsertVertex": "insert_vertex",
     "MoveControlPoint": "move_control_point",
     "MoveVertex": "move_vertex",
+    "Oversketch": "oversketch",
     "SetWeight": "set_weight",
+    "Sketch": "sketch",
     "Spatula": "spatula",
     "Sweep": "sweep",
 }
@@ -35,7 +39,9 @@ __all__ = [
     "InsertVertex",
     "MoveControlPoint",
     "MoveVertex",
+    "Oversketch",
     "SetWeight",
+    "Sketch",
     "Spatula",
     "Sweep",
 ]
