@@ -39,10 +39,10 @@ class Elements:
 
         Examples
         --------
-            >>> knots = np.array([0.0, 0.25, 0.5, 1.0])
-            >>> stored = Elements("knots", knots, knots, knots[:, None])
+        >>> knots = np.array([0.0, 0.25, 0.5, 1.0])
+        >>> stored = Elements("knots", knots, knots, knots[:, None])
         >>> stored.outside(SpliceList([(0.25, 1)])).tolist()
-            [[0.0], [0.25], [1.0]]
+        [[0.0], [0.25], [1.0]]
         """
         keep = np.ones(len(self.rows), dtype=bool)
         for splice in splices:

@@ -31,11 +31,11 @@ from multirep.registry import validate
 from multirep.representation import Representation
 from multirep.scene import Scene
 from multirep.session import Session
+from multirep.testing.curves import size_of
 from multirep.testing.doubles import follower_of
 from multirep.testing.elements import default_elements
 from multirep.testing.laws import check_certificate, check_edit, check_same
 from multirep.testing.parameters import check_parameters
-from multirep.testing.representation_suite import size_of
 from multirep.tool import Tool
 
 

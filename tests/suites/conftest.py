@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
 import pytest
 
 from multirep import blocks
 
 
 @pytest.fixture(autouse=True)
-def short_blocks(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+def short_blocks(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
     """Blocks of 16 rows, except in classes named after long curves."""
     if request.cls is None or "Long" not in request.cls.__name__:
         monkeypatch.setattr(blocks, "BLOCK_ROWS", 16)
-    yield
