@@ -118,7 +118,7 @@ def has_corner(value: Representation, t: float) -> bool:
     return bool(apart > 0.1 * max(np.linalg.norm(one), np.linalg.norm(two)))
 
 
-def gaping(value: Representation, length: float, tolerance: float, part: float) -> SampledSplice:
+def gaping(value: Representation, length: float, part: float, *, tolerance: float) -> SampledSplice:
     """Sample in the middle of T, finely, and shift everything by ``part`` of the tolerance."""
     start, stop = value.domain
     middle, half = start + 0.47 * (stop - start), 0.5 * length * (stop - start)
