@@ -22,6 +22,7 @@ from multirep.errors import (
 )
 from multirep.events import Event, Fitted, Sampled
 from multirep.multirepresentation import MultiRepresentation
+from multirep.reparameterization import ParameterMap
 from multirep.representation import Representation
 from multirep.scene import Scene
 from multirep.settling import Settled, Settlement, clear_of_ice, guarded, misses, region_of, settle
@@ -188,6 +189,30 @@ class Framework:
             )
         changed = settlement.changed if settlement.rounds else SpliceList.EMPTY
         return Outcome(changed, measured.work, settlement.constraints, settlement.rounds)
+
+    def reparameterize(self, curve: str, mapping: ParameterMap = "even") -> Outcome:
+        """Map the parameters of a curve; see :meth:`multirep.MultiRepresentation.reparameterize`.
+
+        Raises
+        ------
+        EditError
+            When the map makes no sense.
+        ConflictError
+            When the curve has constraints: they stand at parameters, under which the map would move
+            the curve away.
+        """
+        target = self.curve(curve)
+        held = self._constraints[curve]
+        if held:
+            raise ConflictError(
+                f"curve {curve!r} cannot be re-parameterised under its constraints "
+                f"{', '.join(map(repr, held))}, which stand at parameters of it: release them, and "
+                "constrain it anew afterwards",
+                constraints=held,
+            )
+        with self._everything_or_nothing(curve), _measured(target) as measured:
+            changed = target.reparameterize(mapping)
+        return Outcome(changed, measured.work)
 
     # -- the loop ----------------------------------------------------------------------------------
 

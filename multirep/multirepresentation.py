@@ -10,6 +10,7 @@ import numpy as np
 
 from multirep.arrays import ArrayLike
 from multirep.authors import AuthorMap
+from multirep.composition import compose
 from multirep.deviation import Deviation, deviation
 from multirep.edit import Edit
 from multirep.errors import (
@@ -23,14 +24,17 @@ from multirep.events import Committed, Event, Skipped
 from multirep.freezing import frozen_error, with_claim, without_claim
 from multirep.interval import Interval
 from multirep.registry import Registry
+from multirep.reparameterization import ParameterMap, reparameterized
 from multirep.representation import Representation
 from multirep.splices import SpliceList
 from multirep.state import Held, State
 from multirep.synchronization import (
+    SAMPLING_SHARE,
     SMALLEST_TOLERANCE,
     bring_up_to_date,
     check_edit,
     evolve_stale,
+    hop,
 )
 from multirep.tightening import with_tolerance
 
@@ -253,6 +257,65 @@ class MultiRepresentation:
         state = self._state.with_held(name, Held(edit.value, held.stale))
         self._state = evolve_stale(state, name, edit.splices)
         self._emit(Committed(name, edit.splices))
+
+    def reparameterize(self, mapping: ParameterMap = "even") -> SpliceList:
+        """Map the parameters of the whole curve: the same place in space, at another t.
+
+        The authors are sampled as for a fit; that polyline at the mapped parameters becomes the
+        only author, and every other representation follows when it is viewed.
+
+        Parameters
+        ----------
+        mapping : "even" or pair of (k,) array_like
+            Even speed; or the knots of a piecewise linear map, old t and new t, both increasing
+            strictly over T.
+
+        Returns
+        -------
+        SpliceList
+            Where the curve changed: all of T, or nothing when its parameters are so already.
+
+        Raises
+        ------
+        EditError
+            When the map is not monotone or does not map T to itself.
+        RegistrationError
+            When no representation is kept that can be made of points (the polyline can).
+        FrozenError
+            When a stretch is frozen. Nothing is changed then.
+
+        Examples
+        --------
+        >>> import multirep as mr
+        >>> curve = mr.MultiRepresentation.from_points(
+        ...     [[0, 0], [1, 0], [4, 0]], t=[0, 0.5, 1], tolerance=1e-2
+        ... )
+        >>> print(curve.reparameterize())
+        [0,1]
+        >>> float(curve.view("polyline").t[1])
+        0.25
+        """
+        kinds = [kind for kind in self._kinds.values() if hasattr(kind, "from_points")]
+        if not kinds:
+            raise RegistrationError(
+                "re-parameterising needs a representation that can be made of points, as the "
+                f"polyline; this curve keeps {', '.join(self._kinds)}"
+            )
+        state, everywhere = self._state, SpliceList([self.domain])
+        if state.frozen:
+            raise frozen_error(state, everywhere, "re-parameterising")
+        share = SAMPLING_SHARE * hop(state.tolerance)
+        sampled = compose(state, self.domain, tolerance=share, emit=self._emit)
+        t, points = reparameterized(sampled, mapping)
+        value = kinds[0].from_points(points, t=t)
+        name = kinds[0].name
+        before = state.held[name].value
+        if state.authors.names == (name,) and before is not None and not before.changes(value):
+            return SpliceList.EMPTY
+        state = state.with_held(name, Held(value, SpliceList.EMPTY))
+        self._state = evolve_stale(state, name, everywhere)
+        self._emit(Committed(name, everywhere))
+        return everywhere
 
     @property
     def tolerance(self) -> float:

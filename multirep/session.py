@@ -10,6 +10,7 @@ from multirep.constraint import Constraint
 from multirep.errors import HistoryError
 from multirep.framework import CurveState, Framework, Outcome
 from multirep.multirepresentation import MultiRepresentation
+from multirep.reparameterization import ParameterMap
 from multirep.tool import Tool
 
 
@@ -83,6 +84,15 @@ class Session:
         """Change the tolerance of a curve as one undo step."""
         with self._step():
             self.framework.curve(curve).tolerance = tolerance
+
+    def reparameterize(self, curve: str, mapping: ParameterMap = "even") -> Outcome:
+        """Map the parameters of a curve as one undo step; by default to even speed.
+
+        See :meth:`multirep.MultiRepresentation.reparameterize` for other maps, and
+        :meth:`multirep.Framework.reparameterize` for when it is refused.
+        """
+        with self._step():
+            return self.framework.reparameterize(curve, mapping)
 
     @contextmanager
     def gesture(self, curve: str) -> Iterator[Gesture]:

@@ -10,9 +10,10 @@ from multirep.edit import Edit
 from multirep.errors import EditError
 from multirep.representations.polyline import Polyline
 from multirep.sampled import interpolate
+from multirep.spacing import told_apart
 from multirep.strokes.arc_length import arc_lengths
 from multirep.strokes.blending import Join, Rim, apron_in_t, blended
-from multirep.tools.oversketch.gap import ROOM, Gap
+from multirep.tools.oversketch.gap import Gap
 
 #: The apron over which an end is blended: this part of the stroke, or so many times the distance of
 #: its end from the curve if that is longer, but never more than a third.
@@ -146,24 +147,13 @@ def _stations(
     t, along = t[order], along[order]
     t[0], t[-1] = gap.start, gap.stop
     along[0], along[-1] = 0.0, s[-1]
-    room = ROOM * float(np.spacing(max(abs(gap.start), abs(gap.stop))))
-    if (t[1:] - t[:-1] < room).any():
-        t, along = _thinned(t, along, room)
-    return t, along
-
-
-def _thinned(t: Array, along: Array, room: float) -> tuple[Array, Array]:
-    """Drop stations whose parameters are too close; the ends stay."""
-    cell = np.floor((t - t[0]) / (2 * room))
-    keep = np.concatenate([[True], cell[1:] > cell[:-1]])
-    kept = np.flatnonzero(keep)
-    kept = kept[np.concatenate([[True], t[kept[1:]] - t[kept[:-1]] >= room])]
-    kept = np.append(kept[t[kept] <= t[-1] - room], len(t) - 1)
-    jumps = along[kept[1:]] - along[kept[:-1]]
-    lost = (kept[1:] - kept[:-1] > 1) & (jumps > LOST * along[-1])
-    if kept[0] != 0 or lost.any():
-        raise EditError(
-            f"no parameters are left between t = {t[0]!r} and {t[-1]!r} for the {len(t)} vertices "
-            "of the stroke: draw over a longer stretch, or redistribute the parameters"
-        )
-    return t[kept], along[kept]
+    chosen = told_apart(t)
+    if len(chosen) < len(t):
+        jumps = along[chosen[1:]] - along[chosen[:-1]]
+        if ((chosen[1:] - chosen[:-1] > 1) & (jumps > LOST * s[-1])).any():
+            raise EditError(
+                f"no parameters are left between t = {gap.start!r} and {gap.stop!r} for the "
+                f"{len(s)} vertices of the stroke: draw over a longer stretch, or redistribute "
+                "the parameters"
+            )
+    return t[chosen], along[chosen]

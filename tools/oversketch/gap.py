@@ -12,6 +12,7 @@ from multirep.errors import EditError
 from multirep.interval import Interval
 from multirep.representations.polyline import Polyline
 from multirep.sampled import interpolate
+from multirep.spacing import room
 from multirep.strokes.arc_length import arc_lengths
 
 #: A stroke whose ends are farther from the curve than this part of its own length was meant for
@@ -24,8 +25,6 @@ AIMED = 1.5
 WITNESSES = 7
 #: A place so close to a vertex, in terms of its segment, is that vertex.
 SAME_VERTEX = 1e-9
-#: Numbers that are left between neighbouring parameters, at the least: room for later edits.
-ROOM = 2.0**9
 
 
 @attrs.frozen
@@ -130,8 +129,8 @@ def _snapped(polyline: Polyline, t: float) -> float:
     """Return the vertex that is as good as at ``t``; else t."""
     k = max(polyline.t.searchsorted(t), 1)
     low, high = float(polyline.t[k - 1]), float(polyline.t[k])
-    room = max(SAME_VERTEX * (high - low), ROOM * float(np.spacing(max(abs(low), abs(high)))))
-    if t - low <= room or high - t <= room:
+    close = max(SAME_VERTEX * (high - low), room(low, high))
+    if t - low <= close or high - t <= close:
         return low if t - low <= high - t else high
     return t
 
