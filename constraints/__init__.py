@@ -1,1 +1,44 @@
-"""The built-in constraints come with their own issue; the contract is :class:`multirep.Constraint`."""
+"""The built-in constraints; each is loaded when it is first used."""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from multirep.constraints.condition import Condition as Condition
+    from multirep.constraints.corner import CornerConstraint as CornerConstraint
+    from multirep.constraints.derivative import DerivativeConstraint as DerivativeConstraint
+    from multirep.constraints.freeze import Freeze as Freeze
+    from multirep.constraints.linear import LinearConstraint as LinearConstraint
+    from multirep.constraints.mark import Mark as Mark
+    from multirep.constraints.point import PointConstraint as PointConstraint
+
+_HOMES = {
+    "Condition": "condition",
+    "CornerConstraint": "corner",
+    "DerivativeConstraint": "derivative",
+    "Freeze": "freeze",
+    "LinearConstraint": "linear",
+    "Mark": "mark",
+    "PointConstraint": "point",
+}
+
+__all__ = [
+    "Condition",
+    "CornerConstraint",
+    "DerivativeConstraint",
+    "Freeze",
+    "LinearConstraint",
+    "Mark",
+    "PointConstraint",
+]
+
+
+def __getattr__(name: str) -> object:
+    """Load a public name when it is first used (PEP 562)."""
+    if name in _HOMES:
+        value = getattr(import_module(f"multirep.constraints.{_HOMES[name]}"), name)
+        globals()[name] = value
+        return value
+    raise AttributeError(f"module 'multirep.constraints' has no attribute {name!r}")

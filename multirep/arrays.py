@@ -11,6 +11,8 @@ import numpy.typing as npt
 Array: TypeAlias = npt.NDArray[np.float64]
 #: Integer indices.
 Indices: TypeAlias = npt.NDArray[np.intp]
+#: Truth values.
+Flags: TypeAlias = npt.NDArray[np.bool_]
 #: What users may pass: nested sequences, arrays, anything numpy reads.
 ArrayLike: TypeAlias = npt.ArrayLike
 

@@ -77,6 +77,7 @@ class Constraint(abc.ABC, Generic[R]):
     def frozen(self, value: R, /) -> SpliceList:
         """Return the stretches that nothing may change from now on, not by a bit; none by default.
 
-        Asked once, when the constraint is added.
+        Asked once, when the constraint is added and holds. From then on the kernel sees to it, and
+        a constraint that freezes is asked for nothing else.
         """
         return SpliceList.EMPTY

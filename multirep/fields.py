@@ -38,6 +38,27 @@ def as_points(value: ArrayLike) -> tuple[tuple[float, ...], ...]:
         return value  # type: ignore[return-value]  # the validator names the field
 
 
+def as_interval(value: ArrayLike) -> tuple[float, float]:
+    """Convert two numbers, the smaller one first; ValueError for anything else."""
+    numbers = as_point(value)
+    if not _is_point(numbers) or len(numbers) != 2 or not numbers[0] < numbers[1]:
+        raise ValueError(f"an interval is two finite numbers, the smaller one first; got {value!r}")
+    return numbers[0], numbers[1]
+
+
+def positive(instance: object, attribute: attrs.Attribute[Any], value: object) -> None:
+    """Raise ValueError unless the field is a finite number above 0."""
+    finite_number(instance, attribute, value)
+    if not float(value) > 0:  # type: ignore[arg-type]  # finite_number has seen to that
+        raise ValueError(f"{attribute.name!r} must be above 0: {value!r}")
+
+
+def finite_number(instance: object, attribute: attrs.Attribute[Any], value: object) -> None:
+    """Raise ValueError unless the field is a finite number."""
+    if not (isinstance(value, float) and math.isfinite(value)):
+        raise ValueError(f"{attribute.name!r} must be a finite number: {value!r}")
+
+
 def finite_point(instance: object, attribute: attrs.Attribute[Any], value: object) -> None:
     """Raise ValueError unless the field is a non-empty tuple of finite numbers."""
     if not _is_point(value):

@@ -22,7 +22,6 @@ from multirep.errors import EditError, FrozenError, PluginError
 from multirep.representation import Representation
 from multirep.splices import SpliceList
 from multirep.state import Held, State
-from multirep.synchronization import check_edit
 
 #: How often a stretch may grow before every representation can hold it. Two kinds that cannot stop
 #: anywhere need two; more only delays the report of two that never agree.
@@ -108,7 +107,6 @@ def _prepared(
             continue
         for kind, value in values.items():
             edit, _ = value.held(part, keep)
-            check_edit(value, edit, kind)
             if edit.splices.intersects(keep):
                 raise PluginError(
                     f"{kind!r} changed {edit.splices & keep} while it prepared for {part} "

@@ -21,7 +21,7 @@ from multirep.blending import blended
 from multirep.conflicts import conflict, opposed, shortest_cycle
 from multirep.constraint import Constraint
 from multirep.edit import Edit
-from multirep.errors import ConflictError, MultirepError, PluginError
+from multirep.errors import ConflictError, FrozenError, MultirepError, PluginError
 from multirep.events import Event, Fitted
 from multirep.freezing import frozen_error
 from multirep.interval import Interval
@@ -81,6 +81,7 @@ def settle(
     curve : MultiRepresentation
         Changed in place; the caller takes it back when this raises.
     constraints : mapping of str to Constraint
+        Those that keep a stretch frozen are left out: nothing can disturb them.
     change : SpliceList
     scene : Scene
         Its ``aims`` are what the tool asked for and has reached; they must be reached in the end.
@@ -97,6 +98,8 @@ def settle(
     PluginError
         When a constraint raises or breaks its contract.
     """
+    claims = curve.claims
+    constraints = {name: c for name, c in constraints.items() if name not in claims}
     if not constraints:
         return Settlement(0, (), change)
     loop = _Loop(curve, constraints, change, scene)
@@ -308,6 +311,9 @@ class _Loop:
         """Complete what a plugin says about a conflict: names, where, residuals."""
         frozen = self.curve.claims
         names = error.constraints or tuple(group)
+        if isinstance(error, FrozenError):
+            hit = SpliceList(self.region(n) for n in names if n in self.constraints)
+            names += tuple(n for n, c in frozen.items() if c.intersects(hit) and n not in names)
         where = {
             name: frozen[name] if name in frozen else SpliceList([self.region(name)])
             for name in names

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from multirep.splines.basis import basis_functions, find_spans
     from multirep.splines.corners import corner_parameters
     from multirep.splines.evaluation import evaluate
-    from multirep.splines.least_norm import LeastNorm, least_norm
+    from multirep.splines.minimum_norm import LeastNorm, least_norm
     from multirep.splines.least_squares import polyline_rows, solve_window
     from multirep.splines.polar import bernstein, blossom, refine
     from multirep.splines.sampling import sample_spline
@@ -35,14 +35,14 @@ __all__ = [
 ]
 
 _HOMES = {
-    "LeastNorm": "least_norm",
+    "LeastNorm": "minimum_norm",
     "basis_functions": "basis",
     "bernstein": "polar",
     "blossom": "polar",
     "corner_parameters": "corners",
     "evaluate": "evaluation",
     "find_spans": "basis",
-    "least_norm": "least_norm",
+    "least_norm": "minimum_norm",
     "polyline_rows": "least_squares",
     "refine": "polar",
     "sample_spline": "sampling",

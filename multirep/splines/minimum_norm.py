@@ -10,6 +10,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 
 from multirep.splines.arrays import Array, IntArray
 
@@ -41,7 +42,9 @@ class LeastNorm(NamedTuple):
     culprits: IntArray
 
 
-def least_norm(starts: IntArray, rows: Array, wanted: Array, free: Array) -> LeastNorm:
+def least_norm(
+    starts: IntArray, rows: Array, wanted: Array, free: npt.NDArray[np.bool_]
+) -> LeastNorm:
     """Solve ``B change = wanted`` for the shortest change.
 
     Parameters
@@ -99,7 +102,7 @@ def _dense(
     low = int(columns[0, 0])
     matrix = np.zeros((int(columns[-1, -1]) + 1 - low, count))
     np.put_along_axis(matrix.T, columns - low, scaled, axis=1)
-    triangle = np.linalg.qr(matrix, mode="r")
+    triangle: Array = np.linalg.qr(matrix, mode="r")  # type: ignore[assignment]  # the stubs differ
     pivots = np.zeros(count)
     size = min(triangle.shape)
     pivots[:size] = np.abs(np.diagonal(triangle)[:size])
@@ -162,7 +165,7 @@ def _near(starts: IntArray, width: int, row: int) -> IntArray:
 
 def _times(gram: Array, factors: Array) -> Array:
     """Multiply the symmetric banded matrix, given by its lower diagonals."""
-    product = gram[0][:, None] * factors
+    product: Array = gram[0][:, None] * factors
     for diagonal in range(1, len(gram)):
         entries = gram[diagonal, :-diagonal, None]
         product[diagonal:] += entries * factors[:-diagonal]

@@ -1,0 +1,279 @@
+"""Meeting many linear conditions on a NURBS at once, by the smallest change of control points.
+
+Only the control points that act where a condition is broken may move; every condition that they
+act on is a row of the system, broken or not, so nothing that held is lost. The ends of the curve
+and the direction in which it leaves a frozen stretch stay if possible. Where the rows leave too
+little freedom, knots are inserted around their parameters and the solve is tried again, a few
+times; conditions that still cannot be told apart are a conflict.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+
+import numpy as np
+
+from multirep.aim import Aim
+from multirep.arrays import Flags
+from multirep.constraints.condition import Condition, Rows
+from multirep.edit import Edit
+from multirep.errors import ConflictError, FrozenError
+from multirep.representations.nurbs import Nurbs
+from multirep.scene import Scene
+from multirep.splices import SpliceList
+from multirep.splines import LeastNorm, least_norm
+
+#: A solve of this quality (see :func:`multirep.splines.least_norm`) is taken at once. Larger
+#: inserts more knots, smaller lets the curve swing more between close conditions.
+GOOD = 0.05
+#: A solve below this is none: changes would be a thousand times what is missed.
+LEAST = 1e-3
+#: How often knots may be inserted around the parameters; each time the spans there are halved.
+REFINEMENTS = 6
+#: Knots are not inserted closer than this part of T.
+CLOSEST = 1e-7
+#: Two targets of one condition are the same within this part of the largest coordinate.
+SAME = 1e-12
+#: What counts as met, likewise: it only keeps rounding from being "corrected".
+MET = 1e-14
+
+Named = tuple[str, Condition]
+
+
+def solved(curve: Nurbs, named: Sequence[Named], scene: Scene) -> Edit[Nurbs]:
+    """Return an edit that meets all conditions; each comes with the name of its constraint.
+
+    What the tool asked for (``scene.aims``) is kept as well where that is possible.
+
+    Raises
+    ------
+    ConflictError, FrozenError
+    """
+    value, splices = _with_corners(curve, [c for _, c in named if c.breaks], scene.frozen)
+    wanted = _merged(value, named)
+    aims = _aimed(value, scene.aims, wanted)
+    found = _attempted(value, [*wanted, *aims], scene.frozen)
+    if aims and not isinstance(found, Edit):
+        found = _attempted(value, wanted, scene.frozen)
+    if isinstance(found, Edit):
+        return Edit(found.value, splices | found.splices)
+    names = tuple(dict.fromkeys(name for name, _ in found))
+    listed = " and ".join(map(repr, names))
+    places = sorted({condition.t for _, condition in found})
+    raise ConflictError(
+        f"{listed} ask for more than the control points around t = "
+        f"{', '.join(map(repr, places))} can give",
+        constraints=names,
+    )
+
+
+def _with_corners(
+    curve: Nurbs, breaking: Iterable[Condition], frozen: SpliceList
+) -> tuple[Nurbs, SpliceList]:
+    """Raise the knots at corners to full multiplicity, outside of what is frozen."""
+    domain, knots = curve.domain, curve.knots
+    missing: list[float] = []
+    for t in {condition.t for condition in breaking}:
+        if domain.start < t < domain.stop and not frozen.contains(t):
+            have = knots.searchsorted(t, "right") - knots.searchsorted(t)
+            missing += [t] * (curve.degree - have)
+    edit = curve.insert_knots(missing)
+    return edit.value, edit.splices
+
+
+def _merged(curve: Nurbs, named: Iterable[Named]) -> list[Named]:
+    """Sort conditions by t and drop repeated ones.
+
+    Raises
+    ------
+    ConflictError
+        When two ask for different things in one place.
+    """
+    found: dict[tuple[float, int, str], Named] = {}
+    scale = curve.magnitude
+    for name, condition in named:
+        sided = condition.order == 1 and _is_corner(curve, condition.t)
+        key = (condition.t, condition.order, condition.side if sided else "")
+        if key not in found:
+            found[key] = (name, condition)
+            continue
+        other, target = found[key][0], np.asarray(found[key][1].target)
+        if target.shape != np.shape(condition.target):
+            continue  # the wrong dimension is reported with the rows
+        apart = float(np.linalg.norm(target - condition.target))
+        if apart > SAME * max(scale, float(np.abs(target).max())):
+            what = "points" if condition.order == 0 else "derivatives"
+            raise ConflictError(
+                f"{other!r} and {name!r} ask for different {what} at t = {condition.t!r}, "
+                f"{apart:.3g} apart",
+                constraints=dict.fromkeys((other, name)),
+                residuals={other: apart, name: apart},
+            )
+    return sorted(found.values(), key=lambda item: _place(item[1]))
+
+
+def _place(condition: Condition) -> tuple[float, bool]:
+    # The left side of a corner reads control points before those of the right side.
+    return condition.t, condition.order == 0 or condition.side == "right"
+
+
+def _is_corner(curve: Nurbs, t: float) -> bool:
+    knots = curve.knots
+    return int(knots.searchsorted(t, "right") - knots.searchsorted(t)) >= curve.degree
+
+
+def _aimed(curve: Nurbs, aims: Iterable[Aim], wanted: Sequence[Named]) -> list[Named]:
+    """Conditions, without a name, that keep the curve at the aims where it is now."""
+    points = {c.t for _, c in wanted if c.order == 0}
+    slopes = {(c.t, c.side) for _, c in wanted if c.order == 1}
+    found: list[Named] = []
+    for aim in aims:
+        if not curve.domain.contains(aim.t):
+            continue
+        if aim.point is not None and aim.t not in points:
+            found.append(("", Condition(aim.t, 0, tuple(curve(aim.t).tolist()))))
+        for side, target in (("left", aim.left), ("right", aim.right)):
+            if target is not None and (aim.t, side) not in slopes:
+                slope = curve.derivative(aim.t, side=side)
+                found.append(("", Condition(aim.t, 1, tuple(slope.tolist()), side)))  # type: ignore[arg-type]
+    return found
+
+
+def _attempted(
+    curve: Nurbs, named: Sequence[Named], frozen: SpliceList
+) -> Edit[Nurbs] | list[Named]:
+    """Meet the conditions, or return those that exclude each other."""
+    named = sorted(named, key=lambda item: _place(item[1]))
+    steps = [Edit(curve, SpliceList.EMPTY)]
+    culprits: list[Named] = []
+    for _ in range(REFINEMENTS + 1):
+        value = steps[-1].value
+        found = _met(value, named, frozen, gentle=True, enough=GOOD)
+        if isinstance(found, Edit):
+            return _after(steps[-1], found)
+        culprits = found
+        finer = _halved(value, [c for _, c in culprits], frozen)
+        if not finer:
+            break
+        steps.append(_after(steps[-1], value.insert_knots(finer)))
+    for step, gentle, enough in (
+        (steps[0], False, GOOD),
+        (steps[-1], True, LEAST),
+        (steps[-1], False, LEAST),
+        (steps[0], False, LEAST),
+    ):
+        found = _met(step.value, named, frozen, gentle=gentle, enough=enough)
+        if isinstance(found, Edit):
+            return _after(step, found)
+    return culprits
+
+
+def _after(first: Edit[Nurbs], second: Edit[Nurbs]) -> Edit[Nurbs]:
+    return Edit(second.value, first.splices | second.splices)
+
+
+def _met(
+    curve: Nurbs, named: Sequence[Named], frozen: SpliceList, *, gentle: bool, enough: float
+) -> Edit[Nurbs] | list[Named]:
+    """Meet the conditions on the control points there are, or return those that crowd them."""
+    conditions = [condition for _, condition in named]
+    system = Rows.of(curve, conditions)
+    broken = system.missed > MET * curve.magnitude
+    if not broken.any():
+        return Edit(curve, SpliceList.EMPTY)
+    movable = _movable(system, broken)
+    concerned = movable[system.starts[:, None] + np.arange(system.rows.shape[1])].any(axis=1)
+    free = movable & ~_acting(curve, system, frozen)
+    _check_ice(system, broken, free, named, frozen)
+    if gentle:
+        free &= ~_better_left(curve, system, conditions, frozen)
+    found = _solve(system, concerned, free)
+    if found.quality < enough:
+        return [named[k] for k in np.flatnonzero(concerned)[found.culprits].tolist()]
+    edit = curve.move_control_points(system.first, system.points + found.change)
+    # Once more for what rounding has left.
+    again = Rows.of(edit.value, conditions)
+    if again.missed.max() <= MET * curve.magnitude:
+        return edit
+    change = _solve(again, concerned, free).change
+    return _after(edit, edit.value.move_control_points(again.first, again.points + change))
+
+
+def _movable(system: Rows, broken: Flags) -> Flags:
+    """Which control points of the window act where a condition is broken."""
+    movable = np.zeros(len(system.points), dtype=bool)
+    width = system.rows.shape[1]
+    movable[(system.starts[broken][:, None] + np.arange(width)).ravel()] = True
+    return movable
+
+
+def _acting(curve: Nurbs, system: Rows, frozen: SpliceList) -> Flags:
+    """Which control points of the window act on a frozen stretch."""
+    count, p = len(system.points), curve.degree
+    acting = np.zeros(count, dtype=bool)
+    if frozen:
+        knots = curve.knots.window(system.first, system.first + count + p + 1)
+        for start, stop in frozen:
+            acting |= (knots[:count] < stop) & (knots[p + 1 :] > start)
+    return acting
+
+
+def _better_left(
+    curve: Nurbs, system: Rows, conditions: Sequence[Condition], frozen: SpliceList
+) -> Flags:
+    """Control points that had better stay: ends of the curve, and how it leaves what is frozen.
+
+    Beside the p-fold knot of a frozen border, p - 1 control points carry the derivatives there.
+    """
+    count, p = len(system.points), curve.degree
+    left = np.zeros(count, dtype=bool)
+    index = system.first + np.arange(count)
+    if conditions[0].t > curve.domain.start:
+        left |= index == 0
+    if conditions[-1].t < curve.domain.stop:
+        left |= index == curve.size - 1
+    if frozen and p > 1:
+        knots = curve.knots.window(system.first, system.first + count + p + 1)
+        for start, stop in frozen:
+            left |= (knots[1 : count + 1] == stop) & (knots[2 : count + 2] == stop)
+            left |= (knots[p : count + p] == start) & (knots[p - 1 : count + p - 1] == start)
+    return left
+
+
+def _check_ice(
+    system: Rows, broken: Flags, allowed: Flags, named: Sequence[Named], frozen: SpliceList
+) -> None:
+    """Raise when all that acts on a broken condition is frozen."""
+    if not frozen:
+        return
+    columns = system.starts[:, None] + np.arange(system.rows.shape[1])
+    acting = (np.abs(system.rows) * allowed[columns]).max(axis=1)
+    stuck = broken & (acting <= LEAST * np.abs(system.rows).max(axis=1))
+    if stuck.any():
+        names = tuple(dict.fromkeys(named[k][0] for k in np.flatnonzero(stuck).tolist()))
+        place = named[int(stuck.argmax())][1].t
+        raise FrozenError(
+            f"{' and '.join(map(repr, names))} cannot hold at t = {place!r}: "
+            f"the curve is frozen on {frozen}",
+            constraints=names,
+        )
+
+
+def _solve(system: Rows, concerned: Flags, free: Flags) -> LeastNorm:
+    return least_norm(
+        system.starts[concerned], system.rows[concerned], system.wanted[concerned], free
+    )
+
+
+def _halved(curve: Nurbs, conditions: Sequence[Condition], frozen: SpliceList) -> list[float]:
+    """Knots half way between the parameters of conditions and their neighbours, knots or not."""
+    shortest = CLOSEST * curve.domain.length
+    t = np.unique([condition.t for condition in conditions])
+    low, high = curve.span(float(t[0]), "left"), curve.span(float(t[-1])) + 1
+    knots = curve.knots.window(low, high + 1)
+    marks = np.union1d(knots, t)
+    marks = marks[np.concatenate(([True], np.diff(marks) > 0))]
+    beside = np.isin(marks, t)
+    chosen = (beside[1:] | beside[:-1]) & (np.diff(marks) > 2 * shortest)
+    middles = 0.5 * (marks[1:] + marks[:-1])[chosen]
+    return [m for m in middles.tolist() if not frozen.contains(m)]
