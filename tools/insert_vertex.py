@@ -6,7 +6,7 @@ from attrs import field, frozen, validators
 from attrs.converters import optional
 
 from multirep.edit import Edit
-from multirep.fields import as_point, finite_point
+from multirep.fields import as_point, finite_number, finite_point
 from multirep.representations.polyline import Polyline
 from multirep.scene import Scene
 from multirep.tool import Tool
@@ -35,7 +35,7 @@ class InsertVertex(Tool[Polyline]):
     name = "insert-vertex"
     edits = Polyline
 
-    t: float = field(converter=float)
+    t: float = field(converter=float, validator=finite_number)
     """Its parameter, unlike that of any other vertex."""
     to: tuple[float, ...] | None = field(
         default=None, converter=optional(as_point), validator=validators.optional(finite_point)
