@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, ClassVar, Self
+from typing import Any, Self
 
 import numpy as np
 
@@ -60,9 +60,6 @@ class WaveletBSpline(Representation):
 
     name = "wavelet"
     summary = "multiresolution cubic B-spline: graded dyadic knots, wavelet details"
-    #: A splice reaches for the third knot outside, so that the two knots between can stay as they are.
-    _REACH: ClassVar[int] = 3
-
     _graded: Graded
     _pyramids: dict[int, Pyramid]
 
@@ -217,18 +214,7 @@ class WaveletBSpline(Representation):
 
         From such ends a splice leaves the control points outside as they are, bit by bit.
         """
-        curve, (a, b) = self._graded, interval
-        if a > self.domain.start:
-            k = curve.span_at(a)
-            near = curve.knots(max(k + 1 - self._REACH, 3), k + 1)
-            near = near[(near >= within.start) & (near <= a)]
-            a = float(near[0]) if len(near) else a
-        if b < self.domain.stop:
-            k = curve.span_at(b, "left") + 1
-            near = curve.knots(k, min(k + self._REACH, self.size + 1))
-            near = near[(near <= within.stop) & (near >= b)]
-            b = float(near[-1]) if len(near) else b
-        return Interval(a, b)
+        return holding.reached(self._graded, interval, within)
 
     def held(
         self, interval: Interval, keep: SpliceList = SpliceList.EMPTY
@@ -266,12 +252,7 @@ class WaveletBSpline(Representation):
     def refine(self, interval: Interval | None = None) -> Edit[Self]:
         """Halve every span that meets the interior of ``interval`` (default T); the curve stays as it is.
 
-        Raises
-        ------
-        ParameterError
-            When the interval leaves T.
-        EditError
-            When a span is too short to be halved.
+        Spans of the finest level that there can be (40 on [0, 1]) stay. ParameterError when the interval leaves T.
         """
         where = self.domain if interval is None else Interval.of(interval)
         self.parameters([where.start, where.stop])

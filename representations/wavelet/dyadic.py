@@ -14,13 +14,14 @@ from multirep.interval import Interval
 
 __all__ = [
     "FINEST_LEVEL",
+    "clusters",
     "coarsest_between",
     "finest_level",
-    "graded_between",
     "halves",
     "level_counts",
     "levels",
     "parameters",
+    "starting",
 ]
 
 #: No knot is finer than k / 2**40. Finer knots would be exact as well, but spans of 2**-40 of T already resolve a
@@ -105,40 +106,44 @@ def coarsest_between(low: float, high: float) -> float:
         found = coarser
 
 
-def graded_between(start: float, stop: float, first: float, last: float) -> Array:
-    """Return knots between two ends, with spans that grow by doubling from both.
+def clusters(centres: Array, widths: Array, parts: int = 1) -> Array:
+    """Return dyadic knots (3 k,) or so at, before and behind each centre, about as far apart as the widths.
 
     Parameters
     ----------
-    start, stop : float
-        Dyadic numbers.
-    first, last : float
-        About how long the spans at the two ends shall be.
-
-    Returns
-    -------
-    (k,) array
-        Increasing, the ends included; each is a coarse dyadic number near its place.
+    centres, widths : (k,) arrays
+        In [0, 1].
 
     Examples
     --------
-    >>> graded_between(0.0, 1.0, 0.1, 1.0)
-    array([0.     , 0.09375, 0.1875 , 0.375  , 1.     ])
+    >>> clusters(np.array([1 / 3]), np.array([0.01]))
+    array([0.3203125 , 0.33203125, 0.34375   ])
     """
-    middle = 0.5 * (start + stop)
-    half = middle - start
-    lengths = [min(first, stop - start), min(last, stop - start)]
-    counts = [max(0, math.ceil(math.log2(half / length))) for length in lengths]
-    steps = [length * _DOUBLING[:count] for length, count in zip(lengths, counts, strict=True)]
-    inner = np.concatenate((start + steps[0], stop - steps[1][::-1]))
-    grain = np.ldexp(0.25, np.frexp(np.concatenate((steps[0], steps[1][::-1])))[1])
-    inner = np.rint(inner / grain) * grain
-    knots: Array = np.concatenate(([start], inner, [stop]))
-    increases = np.concatenate(([True], knots[1:] > knots[:-1]))
-    return knots if increases.all() else np.unique(knots)
+    # A grain of a quarter to a half of the width: coarse numbers, near their places.
+    grain = np.ldexp(0.25, np.frexp(widths)[1])
+    centre = np.rint(centres / grain) * grain
+    width = np.rint(widths / grain) * grain
+    found: Array = np.concatenate((centre - width, centre, centre + width))
+    return found
 
 
-_DOUBLING = 2.0 ** np.arange(64)
+def starting(start: float, stop: float, first: float, last: float) -> Array:
+    """Return knots beside two ends, both included: three spans of about the given lengths at each.
+
+    Examples
+    --------
+    >>> starting(0.0, 1.0, 0.01, 1.0)
+    array([0.        , 0.00976562, 0.01953125, 0.02929688, 1.        ])
+    """
+    whole = stop - start
+    steps = []
+    for length, sign, end in ((first, 1.0, start), (last, -1.0, stop)):
+        if 6.0 * length < whole:
+            grain = 2.0 ** (math.floor(math.log2(length)) - 2)
+            origin = round(end / grain) * grain
+            step = sign * round(length / grain) * grain
+            steps += [origin + step, origin + 2 * step, origin + 3 * step]
+    return np.array(sorted({start, *steps, stop}))
 
 
 def levels(u: Array) -> Indices:

@@ -1,29 +1,24 @@
 """Fit a cubic spline on graded dyadic knots to a polyline on one stretch, and prove how far it is off.
 
-Solve (banded least squares against the polyline, between its vertices too), measure every piece with a certificate,
-halve the spans that fail, repeat. A piece is what lies between neighbouring marks: knots, quarters of spans, vertices.
-On it the difference R - L is one cubic, and its four Bernstein coefficients bound it: the deviation is *proved* for
-every parameter, by the same numbers that decide where to halve.
+Attempt, halve the spans on which the proof fails, repeat. A first fit is then thinned: knots of which the curve hardly
+takes notice are taken out, many at a time, as long as the proof holds.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import NamedTuple
 
 import numpy as np
 
 from multirep.arrays import Array, Indices
-from multirep.errors import InvariantError, ToleranceError
+from multirep.errors import ToleranceError
+from multirep.representations.wavelet.attempt import Attempt, Frame, Problem
 from multirep.representations.wavelet.dyadic import halves
 from multirep.representations.wavelet.prediction import predict
 from multirep.representations.wavelet.target import Target
-from multirep.splines.polar import blossom
 
-__all__ = ["Fitted", "Frame", "fit_stretch"]
+__all__ = ["fit_stretch", "thinned"]
 
-#: Rows per span that carry no vertex. Fewer make the certificate loose and the solve singular.
-_ROWS = 4
 #: Of the spans that fail, only those are halved that are off by this part of the worst of their two neighbours: what
 #: a corner does to its surroundings goes away with it. Smaller halves in vain, larger takes more rounds.
 _HALVED = 0.6
@@ -31,55 +26,13 @@ _HALVED = 0.6
 _ROUNDING = 64 * float(np.finfo(np.float64).eps)
 #: More rounds than there are levels mean that halving does not help.
 _ROUNDS = 64
-
-
-class Frame(NamedTuple):
-    """What lies around the stretch: the knots, and the old curve that must be joined."""
-
-    before: Array
-    """(3,) parameters: the knots before the stretch; its start three times at the start of T."""
-    after: Array
-    """(3,) parameters: the knots behind it."""
-    pieces: tuple[Array, Array] | None
-    """Knots (15,) and control points (11, d) of the old pieces that are joined, see :func:`frame_pieces`."""
-    left: bool
-    """Whether the curve continues before the stretch."""
-    right: bool
-    """Whether it continues behind it."""
-
-
-class Fitted(NamedTuple):
-    """A fitted stretch."""
-
-    u: Array
-    """(n + 1,) dyadic knots from its start to its stop."""
-    points: Array
-    """(d, n + 3) control points about the target's origin; three at each joined end are dictated by the old curve."""
-    arguments: Array
-    """(6, 3) knots that define the dictated ones."""
-    bound: float
-    """Proved: the largest deviation from the polyline, rounding included."""
-
-
-class _Stretch(NamedTuple):
-    """Everything about one set of knots that does not depend on the control points; rows run last, (.., m)."""
-
-    x: Array
-    """(n + 1,) knots."""
-    marks: Array
-    """(m,) parameters, the knots among them."""
-    spans: Indices
-    """(m,), the span of each mark."""
-    starts: Indices
-    """(n,), the first mark of each span."""
-    basis: Array
-    """(2, 4, m): Bernstein polynomials of the span at the marks, and a third of their derivatives."""
-    maps: Array
-    """(4, 4, n): matrices from the four control points of a span to its Bernstein coefficients."""
-    values: Array
-    """(d, m): the target."""
-    chords: Indices
-    """(m,), the chord of the target at each mark."""
+#: Rounds of thinning; each takes out up to a third of the knots, and later ones find little.
+_THINNINGS = 12
+#: Thinning ends when a round takes out less than this part of the knots.
+_WORTHWHILE = 0.02
+#: The deviation that taking a knot out is expected to leave: half of what is there, and this part of the jump of the
+#: third derivative in terms of that of the B-spline around the knot. (1/8 on even knots.)
+_JUMP_SHARE = 0.15
 
 
 def fit_stretch(
@@ -90,7 +43,8 @@ def fit_stretch(
     *,
     shortest: float,
     magnitude: float,
-) -> Fitted:
+    thin: bool,
+) -> Attempt:
     """Fit a stretch within the allowances of the target.
 
     Parameters
@@ -98,8 +52,7 @@ def fit_stretch(
     target : Target
         Covers the stretch.
     u : (n + 1,) array
-        Dyadic knots to begin with, the ends of the stretch first and last; at least three spans if both ends are
-        joined.
+        Dyadic knots to begin with, the ends of the stretch first and last; at least three spans if an end is joined.
     to_t : callable
         Maps dyadic numbers to parameters, monotonically.
     frame : Frame
@@ -108,10 +61,13 @@ def fit_stretch(
         Spans not longer than this (as dyadic numbers) are not halved.
     magnitude : float
         The largest coordinate nearby; rounding is relative to it.
+    thin : bool
+        Whether to look for knots that can be spared: a third fewer on real outlines, for three times the time.
 
     Returns
     -------
-    Fitted
+    Attempt
+        No ratio exceeds 1.
 
     Raises
     ------
@@ -120,7 +76,7 @@ def fit_stretch(
 
     Notes
     -----
-    Linear in rows (vertices and four a span) and rounds; 2 to 5 rounds are usual.
+    Linear in rows (vertices and four a span) and rounds; 1 to 4 rounds are usual.
     """
     slack = _ROUNDING * magnitude
     limits = target.allowances - slack
@@ -131,229 +87,126 @@ def fit_stretch(
             tolerance=float(target.allowances.min()),
             reachable=2 * slack,
         )
+    problem = Problem(target, to_t, frame, slack, limits)
     for _ in range(_ROUNDS):
-        stretch = _lay_out(target, u, to_t, frame)
-        pins, arguments = _dictate(stretch.x, frame, target.origin)
-        points = _solve(stretch, pins, frame)
-        ratios, bound = _certify(stretch, points, limits)
-        if ratios.max() <= 1.0:
-            return Fitted(u, points, arguments, bound + slack)
-        u = _halve(target, u, ratios, to_t, shortest, bound + slack, stretch.x)
-    raise _unreachable(target, stretch.x, ratios, bound + slack)
+        found = problem.attempt(u)
+        if found.ratios.max() <= 1.0:
+            return thinned(problem, found) if thin else found
+        u = _halve(problem, found, shortest)
+    raise _unreachable(target, found)
 
 
-def _lay_out(target: Target, u: Array, to_t: Callable[[Array], Array], frame: Frame) -> _Stretch:
-    """Place the marks and express the basis there."""
-    x = to_t(u)
-    lengths = x[1:] - x[:-1]
-    first, last = target.t.searchsorted(x[0], side="right"), target.t.searchsorted(x[-1])
-    grid = x[:-1] + lengths * _QUARTERS
-    marks = np.concatenate((grid.ravel(), x[-1:], target.t[first:last]))
-    marks.sort()
-    distinct = np.empty(len(marks), dtype=bool)
-    distinct[0] = True
-    np.greater(marks[1:], marks[:-1], out=distinct[1:])
-    marks = marks[distinct]
-    starts = marks.searchsorted(x[:-1])
-    spans = np.zeros(len(marks), dtype=np.intp)
-    spans[starts[1:]] = 1
-    spans = spans.cumsum()
-    local = (marks - x.take(spans)) / lengths.take(spans)
-    values, chords = target.at(marks)
-    return _Stretch(x, marks, spans, starts, _bernstein(local), _maps(x, frame), values, chords)
-
-
-def _bernstein(local: Array) -> Array:
-    """Bernstein polynomials of degree 3, and a third of their derivatives, at local parameters: (2, 4, m)."""
-    table = np.zeros((2, 4, len(local)))
-    other = 1.0 - local
-    square, mixed, other_square = local * local, 2.0 * local * other, other * other
-    np.multiply(other_square, other, out=table[0, 0])
-    np.multiply(other_square, 3.0 * local, out=table[0, 1])
-    np.multiply(square, 3.0 * other, out=table[0, 2])
-    np.multiply(square, local, out=table[0, 3])
-    np.negative(other_square, out=table[1, 0])
-    np.subtract(other_square, mixed, out=table[1, 1])
-    np.subtract(mixed, square, out=table[1, 2])
-    table[1, 3] = square
-    return table
-
-
-def _maps(x: Array, frame: Frame) -> Array:
-    """Matrices (4, 4, n) from the four control points of each span to its Bernstein coefficients."""
-    count = len(x) - 1
-    knots = np.concatenate((frame.before, x, frame.after))
-    # Of span k: knots k+1 .. k+6 are two before it, its ends, two behind it.
-    lowest, low, start, stop, high, highest = (knots[j : j + count] for j in range(1, 7))
-    length, wide = stop - start, high - low
-    maps = np.zeros((4, 4, count))
-    np.divide(high - start, wide, out=maps[1, 1])
-    np.divide(start - low, wide, out=maps[1, 2])
-    np.divide(high - stop, wide, out=maps[2, 1])
-    np.divide(stop - low, wide, out=maps[2, 2])
-    # At its start: the polar form at (start, start, start), from those at (low, start, start) and b1.
-    share = length / (stop - low)
-    inner = share * (length / (stop - lowest))
-    maps[0, 0] = inner
-    maps[0, 2] = (1.0 - share) * maps[1, 2]
-    maps[0, 1] = 1.0 - inner - maps[0, 2]
-    share = length / (high - start)
-    inner = share * (length / (highest - start))
-    maps[3, 3] = inner
-    maps[3, 1] = (1.0 - share) * maps[2, 1]
-    maps[3, 2] = 1.0 - inner - maps[3, 1]
-    return maps
-
-
-def frame_pieces(left: tuple[Array, Array], right: tuple[Array, Array]) -> tuple[Array, Array]:
-    """Put the two old pieces that a stretch joins side by side, so that one call evaluates both polar forms.
-
-    Parameters
-    ----------
-    left, right : pairs of (6,) and (4, d) arrays
-        The six knots around the span of each piece, and its four control points.
-
-    Examples
-    --------
-    >>> knots, points = np.arange(6.0), np.zeros((4, 2))
-    >>> [array.shape for array in frame_pieces((knots, points), (knots, points))]
-    [(15,), (11, 2)]
-    """
-    gap = np.zeros((3, left[1].shape[1]))
-    knots = np.concatenate((left[0][:1], left[0], right[0][:1], right[0], right[0][-1:]))
-    return knots, np.concatenate((left[1], gap, right[1]))
-
-
-def _dictate(x: Array, frame: Frame, origin: Array) -> tuple[Array, Array]:
-    """Control points (6, d) that the old pieces dictate at the joined ends, and the knots (6, 3) that define them."""
-    if frame.pieces is None:
-        return np.zeros((6, len(origin))), np.zeros((6, 3))
-    around = np.concatenate((frame.before[1:], x[:3], x[-3:], frame.after[:2]))
-    arguments = around.take(_ARGUMENTS)
-    return blossom(*frame.pieces, 3, _PIECES, arguments), arguments
-
-
-def _solve(stretch: _Stretch, pins: Array, frame: Frame) -> Array:
-    """Least squares for the control points (d, n + 3) that are not dictated."""
-    from scipy.linalg.lapack import dpbsv
-
-    count = len(stretch.x) - 1
-    first, last = 3 * frame.left, count + 3 - 3 * frame.right
-    points = np.zeros((len(stretch.values), count + 3))
-    rows = np.einsum("jm,jkm->km", stretch.basis[0], stretch.maps.take(stretch.spans, axis=2))
-    wanted = stretch.values
-    if frame.left or frame.right:
-        if frame.left:
-            points[:, :3] = pins[:3].T
-        if frame.right:
-            points[:, -3:] = pins[3:].T
-        held = _windows(points).take(stretch.spans, axis=2)
-        wanted = wanted - np.einsum("km,kdm->dm", rows, held)
-    if first >= last:
-        return points
-    weights = np.zeros(len(stretch.marks))
-    weights[:-1] = stretch.marks[1:] - stretch.marks[:-1]
-    weights[1:] += weights[:-1]
-    both = np.concatenate((rows, wanted))
-    rows *= weights
-    sums = np.add.reduceat(rows[:, None] * both, stretch.starts, axis=2)
-    band = np.zeros((4, count + 3))
-    right = np.zeros_like(points)
-    for j in range(4):
-        right[:, j : j + count] += sums[j, 4:]
-        for k in range(j + 1):
-            band[j - k, k : k + count] += sums[j, k]
-    _, solution, info = dpbsv(band[:, first:last], right[:, first:last].T, lower=1)
-    if info:
-        raise InvariantError("the rows of a fit do not determine its control points", stretch.x)
-    points[:, first:last] = solution.T
-    return points
-
-
-def _certify(
-    stretch: _Stretch, points: Array, limits: Array
-) -> tuple[Array, float]:
-    """Largest proved deviation of each span in terms of its limit, and the largest of all."""
-    nets = np.einsum("jkn,kdn->jdn", stretch.maps, _windows(points))
-    off, turns = np.einsum("ijm,jdm->idm", stretch.basis, nets.take(stretch.spans, axis=2))
-    off -= stretch.values
-    # The Bernstein coefficients of R - L on each piece: its ends, and from there a third of the slope times the length.
-    square = np.square(off).sum(axis=0)
-    worst = np.maximum(square[1:], square[:-1])
-    parts = stretch.marks[1:] - stretch.marks[:-1]
-    parts /= (stretch.x[1:] - stretch.x[:-1]).take(stretch.spans[:-1])
-    rise = (stretch.values[:, 1:] - stretch.values[:, :-1]) / 3.0
-    inner = turns[:, :-1] * parts
-    inner -= rise
-    inner += off[:, :-1]
-    np.maximum(worst, np.square(inner, out=inner).sum(axis=0), out=worst)
-    # The piece before a knot needs the slope of its own span: what the next one says, if that is far shorter, carries
-    # a far larger rounding error.
-    turns[:, stretch.starts[1:]] = nets[3, :, :-1] - nets[2, :, :-1]
-    inner = turns[:, 1:] * parts
-    inner -= rise
-    inner -= off[:, 1:]
-    np.maximum(worst, np.square(inner, out=inner).sum(axis=0), out=worst)
-    bound = float(worst.max()) ** 0.5
-    worst /= np.square(limits).take(stretch.chords[:-1])
-    return np.sqrt(np.maximum.reduceat(worst, stretch.starts)), bound
-
-
-def _halve(
-    target: Target,
-    u: Array,
-    ratios: Array,
-    to_t: Callable[[Array], Array],
-    shortest: float,
-    bound: float,
-    x: Array,
-) -> Array:
+def _halve(problem: Problem, found: Attempt, shortest: float) -> Array:
     """Halve the spans that fail, unless a neighbour fails much more; the halves as often as is predicted."""
+    u, ratios = found.u, found.ratios
     around = ratios.copy()
     np.maximum(around[1:], ratios[:-1], out=around[1:])
     np.maximum(around[:-1], ratios[1:], out=around[:-1])
     lengths = u[1:] - u[:-1]
-    failing = np.flatnonzero(
-        (ratios > 1.0) & (ratios >= _HALVED * around) & (lengths > shortest)
-    )
+    failing = np.flatnonzero((ratios > 1.0) & (ratios >= _HALVED * around) & (lengths > shortest))
     if not len(failing):
         # The worst cannot be halved: perhaps its neighbours can make room.
         failing = np.flatnonzero((ratios > 1.0) & (lengths > shortest))
         if not len(failing):
-            raise _unreachable(target, x, ratios, bound)
+            raise _unreachable(problem.target, found)
     starts, stops = u.take(failing), u.take(failing + 1)
     middles = halves(starts, stops)
     more = predict(
-        target,
+        problem.target,
         np.concatenate((starts, middles)),
         np.concatenate((middles, stops)),
         shortest,
-        to_t,
+        problem.to_t,
     )
     finer: Array = np.concatenate((u, middles, more))
     finer.sort()
     return finer
 
 
-def _unreachable(target: Target, x: Array, ratios: Array, bound: float) -> ToleranceError:
-    worst = int(ratios.argmax())
-    where = 0.5 * float(x[worst] + x[worst + 1])
+def _unreachable(target: Target, found: Attempt) -> ToleranceError:
+    worst = int(found.ratios.argmax())
+    where = 0.5 * float(found.x[worst] + found.x[worst + 1])
     tolerance = float(target.allowances.min())
     return ToleranceError(
         f"cannot prove a tolerance of {tolerance:.3g} near t = {where:.6g} with the finest knots there are; "
-        f"{bound:.3g} is reachable",
+        f"{found.bound:.3g} is reachable",
         tolerance=tolerance,
-        reachable=bound,
+        reachable=found.bound,
         where=where,
     )
 
 
-def _windows(points: Array) -> Array:
-    """Return the control points (4, d, n) of each span, given all (d, n + 3)."""
-    count = points.shape[1] - 3
-    return np.array([points[:, k : k + count] for k in range(4)])
+def thinned(problem: Problem, found: Attempt) -> Attempt:
+    """Take out knots as long as the proof holds.
+
+    Parameters
+    ----------
+    problem : Problem
+    found : Attempt
+        Within the limits; at least three spans remain if an end is joined.
+
+    Returns
+    -------
+    Attempt
+        Within the limits, with as many knots or fewer.
+
+    Notes
+    -----
+    Each round takes out the knots that promise to cost least among the two on either side, then puts back those near
+    which the proof fails. 10 to 20 attempts in all, within a few per cent of taking out one knot at a time.
+    """
+    needed = np.zeros(len(found.u) - 2, dtype=bool)
+    for _ in range(_THINNINGS):
+        spared = _sparable(found, problem.limits.min(), needed)
+        if not spared.any():
+            break
+        for _ in range(2):
+            keep = np.concatenate(([True], ~spared, [True]))
+            trial = problem.attempt(found.u[keep])
+            failing = np.flatnonzero(trial.ratios > 1.0)
+            if not len(failing):
+                enough = _WORTHWHILE * len(needed) > np.count_nonzero(spared)
+                found, needed = trial, needed[~spared]
+                if enough:
+                    return found
+                break
+            back = spared & _near(found.u[1:-1], trial.u, failing)
+            needed |= back if back.any() else spared
+            spared &= ~needed
+            if not spared.any():
+                break
+        else:
+            needed |= spared
+    return found
 
 
-_QUARTERS = (np.arange(_ROWS) / _ROWS)[:, None]
-_ARGUMENTS = np.array([[0, 1, 2], [1, 2, 3], [2, 3, 4], [5, 6, 7], [6, 7, 8], [7, 8, 9]])
-_PIECES = np.array([3, 3, 3, 10, 10, 10])
+def _sparable(found: Attempt, limit: float, needed: Array) -> Array:
+    """Whether taking each interior knot out promises to leave the deviation within the limit, (n - 1,) booleans."""
+    count = len(needed)
+    if count < 3:
+        return np.zeros(count, dtype=bool)
+    x, nets = found.x, found.nets
+    third = 6.0 * (nets[3] - nets[0] + 3.0 * (nets[1] - nets[2])) / (x[1:] - x[:-1]) ** 3
+    jumps = np.sqrt(np.square(third[:, 1:] - third[:, :-1]).sum(axis=0))
+    around = np.concatenate((x[:1], x, x[-1:]))
+    here = around[2:-2]
+    product = (here - around[:-4]) * (here - around[1:-3])
+    product *= (around[3:-1] - here) * (around[4:] - here)
+    product /= 6.0 * (around[4:] - around[:-4])
+    cost = _JUMP_SHARE * jumps * product / limit
+    cost += 0.5 * np.maximum(found.ratios[:-1], found.ratios[1:])
+    cost[needed] = np.inf
+    padded = np.concatenate(([np.inf, np.inf], cost, [np.inf, np.inf]))
+    least = np.lib.stride_tricks.sliding_window_view(padded, 5).argmin(axis=1) == 2
+    spared: Array = least & (cost <= 1.0)
+    return spared
+
+
+def _near(knots: Array, u: Array, failing: Indices) -> Array:
+    """Whether each of the knots lies within two spans of ``u`` from one that fails."""
+    last = len(u) - 1
+    low, high = u[np.maximum(failing - 2, 0)], u[np.minimum(failing + 3, last)]
+    # Both ends ascend: a knot is near if more ranges have begun before it than have ended.
+    begun, ended = low.searchsorted(knots), high.searchsorted(knots, "right")
+    near: Array = begun > ended
+    return near

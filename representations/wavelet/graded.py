@@ -156,7 +156,8 @@ class Graded:
         first = min(max(self.u.searchsorted(u[0], "right") - 1, 3), self.size - 1)
         last = min(max(self.u.searchsorted(u[-1]) - 1, first), self.size - 1)
         old = self.u.window(first - 3, last + 5)
-        finer = np.union1d(old[4:-4], u)
+        # A knot at either end of the window is there already.
+        finer = np.union1d(old[4:-4], u[(u > old[3]) & (u < old[-4])])
         if len(finer) == len(old) - 8:
             return self
         finer = np.concatenate((old[:4], finer, old[-4:]))

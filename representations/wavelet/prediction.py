@@ -61,25 +61,25 @@ def predict(
 
     Examples
     --------
-    A corner needs short spans beside it, and only there.
+    A bend needs short spans, and only there.
 
     >>> from multirep.sampled import SampledSplice
-    >>> corner = SampledSplice([0, 1 / 3, 1], [[0.0], [1.0], [0.0]])
-    >>> target = Target.of(corner, 1 / 16)
-    >>> np.sort(predict(target, np.array([0.0]), np.array([1.0]), 2.0**-40, lambda u: u))
-    array([0.25, 0.5 ])
-    >>> target = Target.of(corner, 1 / 64)
+    >>> t = np.linspace(0, 1, 65)
+    >>> bend = SampledSplice(t, np.hypot(t - 1 / 3, 1 / 32)[:, None])
+    >>> target = Target.of(bend, 1 / 512)
     >>> np.sort(predict(target, np.array([0.0]), np.array([1.0]), 2.0**-40, lambda u: u))
     array([0.25  , 0.3125, 0.375 , 0.5   ])
     """
     found: list[Array] = []
-    first, last = target.t[0], target.t[-1]
+    walls = np.concatenate((target.t[:1], target.corners, target.t[-1:]))
     projection, places = _projection()
     allowed = np.square(target.allowances)
     while len(starts):
         low, high = to_t(starts), to_t(stops)
         margin = _MARGIN * (high - low)
-        low, high = np.maximum(low - margin, first), np.minimum(high + margin, last)
+        side = target.corners.searchsorted(low + 0.5 * margin)
+        low = np.maximum(low - margin, walls.take(side))
+        high = np.minimum(high + margin, walls.take(side + 1))
         values, chords = target.at(low + (high - low) * places)
         off = projection @ values
         off *= off

@@ -17,14 +17,16 @@ import numpy as np
 from multirep.arrays import Array
 from multirep.errors import InvalidCurveError, ParameterError, ToleranceError
 from multirep.interval import Interval
+from multirep.representations.wavelet.attempt import Attempt, Frame, frame_pieces
 from multirep.representations.wavelet.dyadic import (
+    clusters,
     coarsest_between,
     finest_level,
-    graded_between,
     halves,
     parameters,
+    starting,
 )
-from multirep.representations.wavelet.fitting import Fitted, Frame, fit_stretch, frame_pieces
+from multirep.representations.wavelet.fitting import fit_stretch
 from multirep.representations.wavelet.graded import Graded, clamped
 from multirep.representations.wavelet.prediction import predict
 from multirep.representations.wavelet.target import Target
@@ -35,8 +37,12 @@ from multirep.splines.polar import blossom
 
 __all__ = ["fit", "splice"]
 
-#: Spans to begin with where both ends are joined: three would leave nothing free.
-_FEWEST_SPANS = 4
+#: Spans to begin with where no, one or both ends are joined: three would leave nothing free between two joins.
+_FEWEST_SPANS = (1, 3, 4)
+#: So many old knots beside an end that is a knot are kept where they can be.
+_KEPT = 2
+#: Kept spans may be longer by this factor than the turn from the old piece to the target needs.
+_ABOUT = 1.5
 #: The old curve leads in over at most this part of the interval.
 _LEAD_IN = 1 / 8
 #: How much nearer to the end the next try is when the old curve leaves the allowance on its lead-in.
@@ -68,7 +74,8 @@ def fit(sampled: SampledSplice, *, tolerance: float) -> tuple[Graded, float]:
     target = Target.of(sampled, tolerance)
     ends = np.array([domain.start, domain.stop])
     frame = Frame(ends[[0, 0, 0]], ends[[1, 1, 1]], None, False, False)
-    fitted = _fit(target, 0.0, 1.0, domain, frame, float(np.abs(sampled.points).max()))
+    ends = np.array([0.0]), np.array([1.0])
+    fitted = _fit(target, ends, domain, frame, float(np.abs(sampled.points).max()), thin=True)
     return Graded.of(domain, clamped(fitted.u), fitted.points.T + target.origin), fitted.bound
 
 
@@ -91,7 +98,7 @@ def splice(curve: Graded, sampled: SampledSplice, *, tolerance: float) -> tuple[
 
     Notes
     -----
-    Costs what the window costs. If the old curve is within the allowance everywhere it is returned as it is.
+    Costs what the window costs.
     """
     interval = sampled.interval
     if not curve.domain.contains(interval):
@@ -102,14 +109,11 @@ def splice(curve: Graded, sampled: SampledSplice, *, tolerance: float) -> tuple[
         )
     target = Target.of(sampled, tolerance)
     first, last = curve.span_at(interval.start), curve.span_at(interval.stop, "left")
-    off = _already(curve, sampled, target, first, last)
-    if isinstance(off, float):
-        return curve, off
-    start = _start(curve, target, interval.start, first, float(off[0]))
-    stop = _stop(curve, target, interval.stop, last, float(off[-1]))
+    start = _start(curve, target, interval.start, first)
+    stop = _stop(curve, target, interval.stop, last)
     frame, inner, kept = _frame(curve, start, stop, target.origin)
     magnitude = max(float(np.abs(sampled.points).max()), float(np.abs(kept).max(initial=0.0)))
-    fitted = _fit(target, start.u, stop.u, curve.domain, frame, magnitude)
+    fitted = _fit(target, _knots_to_keep(curve, start, stop), curve.domain, frame, magnitude, thin=False)
     rows = fitted.points.T + target.origin
     if start.joined:
         same = (fitted.arguments[:3] == inner[:3]).all(axis=1)
@@ -123,53 +127,38 @@ def splice(curve: Graded, sampled: SampledSplice, *, tolerance: float) -> tuple[
     return spliced, max(fitted.bound, start.bound, stop.bound)
 
 
-def _already(
-    curve: Graded, sampled: SampledSplice, target: Target, first: int, last: int
-) -> float | Array:
-    """Return the proved deviation if the old curve is within the allowances; else how far it is at the vertices."""
-    knots, points = curve.window(first, last)
-    away = evaluate(knots, points, 3, sampled.t) - sampled.points
-    off: Array = np.sqrt(np.einsum("md,md->m", away, away))
-    if bool((np.maximum(off[:-1], off[1:]) <= target.allowances).all()):
-        proved = spline_chord_deviation(
-            knots, points, 3, sampled.t, sampled.points, allowance=target.allowances
-        )
-        if bool((proved <= target.allowances).all()):
-            return float(proved.max())
-    return off
-
-
-def _start(curve: Graded, target: Target, a: float, span: int, gap: float) -> _End:
+def _start(curve: Graded, target: Target, a: float, span: int) -> _End:
     """Find where the free stretch begins."""
     if a == curve.domain.start:
         return _End(0.0, 2, False, 0.0)
     if curve.knots(span, span + 1)[0] == a:
         return _End(float(curve.u[span]), span - 1, True, 0.0)
-    return _lead_in(curve, target, a, span, gap, forwards=True)
+    return _lead_in(curve, target, a, span, forwards=True)
 
 
-def _stop(curve: Graded, target: Target, b: float, span: int, gap: float) -> _End:
+def _stop(curve: Graded, target: Target, b: float, span: int) -> _End:
     """Find where the free stretch ends."""
     if b == curve.domain.stop:
         return _End(1.0, curve.size, False, 0.0)
     if curve.knots(span + 1, span + 2)[0] == b:
         return _End(float(curve.u[span + 1]), span + 1, True, 0.0)
-    return _lead_in(curve, target, b, span, gap, forwards=False)
+    return _lead_in(curve, target, b, span, forwards=False)
 
 
-def _lead_in(
-    curve: Graded, target: Target, end: float, span: int, gap: float, *, forwards: bool
-) -> _End:
+def _lead_in(curve: Graded, target: Target, end: float, span: int, *, forwards: bool) -> _End:
     """Find a dyadic number near ``end`` up to which the old piece is proved to be within the allowances."""
     knots, points = curve.window(span, span)
     t, domain = target.t, curve.domain
     chord = 0 if forwards else -1
+    at = np.array([end])
+    away = evaluate(knots, points, 3, at)[0] - target.origin - target.points[:, chord]
+    gap = math.sqrt(float(away @ away))
     room = float(target.allowances[chord]) - gap
     if room <= 0.0:
         raise _gap_error(target, end, gap, chord)
     next_knot = float(knots[4] if forwards else knots[3])
     reach = min(abs(next_knot - end), _LEAD_IN * float(t[-1] - t[0]))
-    slope = evaluate(knots, points, 3, np.array([end]), order=1)[0] - target.slopes[:, chord]
+    slope = evaluate(knots, points, 3, at, order=1)[0] - target.slopes[:, chord]
     steep = math.sqrt(float(slope @ slope))
     if steep * reach > 0.35 * room:
         reach = 0.35 * room / steep
@@ -222,26 +211,70 @@ def _frame(
     return Frame(before, after, pieces, start.joined, stop.joined), inner, kept
 
 
+def _knots_to_keep(curve: Graded, start: _End, stop: _End) -> tuple[Array, Array]:
+    """Ends of the free stretch, each with the two old knots next to it inside, if it is a knot and there are enough.
+
+    With these in place the dictated control points need not change.
+    """
+    first, last = np.array([start.u]), np.array([stop.u])
+    i, j = start.span + 1, stop.span
+    at_start = start.joined and start.u == curve.u[i]
+    at_stop = stop.joined and stop.u == curve.u[j]
+    inside = j - i + 1 - at_start - at_stop
+    if at_start and inside >= _KEPT:
+        first = curve.u.window(i, i + _KEPT + 1)
+    if at_stop and inside >= _KEPT:
+        last = curve.u.window(j - _KEPT, j + 1)
+    if first[-1] >= last[0]:
+        # Too few for both ends: the closer ones, which guard something.
+        if first[-1] - first[0] <= last[-1] - last[0]:
+            last = last[-1:]
+        else:
+            first = first[:1]
+    return first, last
+
+
 def _fit(
-    target: Target, start: float, stop: float, domain: Interval, frame: Frame, magnitude: float
-) -> Fitted:
-    """Predict the knots from ``start`` to ``stop``, then fit."""
+    target: Target,
+    ends: tuple[Array, Array],
+    domain: Interval,
+    frame: Frame,
+    magnitude: float,
+    *,
+    thin: bool,
+) -> Attempt:
+    """Predict the knots between the first and the last ones, then fit."""
     to_t = partial(parameters, domain=domain)
     shortest = 2.0 ** -finest_level(domain)
-    u = np.array([start, stop])
+    first, last = ends
+    u = np.array([first[0], last[-1]])
     if frame.pieces is not None:
-        first, last = _first_spans(target, to_t(u), frame)
-        u = graded_between(start, stop, first / domain.length, last / domain.length)
-    while len(u) <= (_FEWEST_SPANS if frame.left and frame.right else 1):
+        lengths = _first_spans(target, to_t(u), frame)
+        lengths = lengths[0] / domain.length, lengths[1] / domain.length
+        if len(first) > 1 and float((first[1:] - first[:-1]).max()) > _ABOUT * lengths[0]:
+            first = first[:1]
+        if len(last) > 1 and float((last[1:] - last[:-1]).max()) > _ABOUT * lengths[1]:
+            last = last[-1:]
+        u = starting(float(first[-1]), float(last[0]), *lengths)
+    if len(target.corners):
+        sharp = clusters(
+            (target.corners - domain.start) / domain.length,
+            np.maximum(target.widths / domain.length, 8 * shortest),
+        )
+        u = np.concatenate((u, sharp[(sharp > u[0]) & (sharp < u[-1])]))
+        u.sort()
+        u = u[np.concatenate(([True], u[1:] > u[:-1]))]
+    while len(u) <= _FEWEST_SPANS[frame.left + frame.right]:
         u = np.sort(np.concatenate((u, halves(u[:-1], u[1:]))))
     if (u[1:] - u[:-1]).min() < shortest:
         raise ToleranceError(
             f"near the ends of the splice [{target.t[0]:.17g}, {target.t[-1]:.17g}] knots finer than the finest "
             f"on T = {domain} would be needed"
         )
-    u = np.concatenate((u, predict(target, u[:-1], u[1:], shortest, to_t)))
+    more = predict(target, u[:-1], u[1:], shortest, to_t)
+    u = np.concatenate((first[:-1], u, more, last[1:]))
     u.sort()
-    return fit_stretch(target, u, to_t, frame, shortest=shortest, magnitude=magnitude)
+    return fit_stretch(target, u, to_t, frame, shortest=shortest, magnitude=magnitude, thin=thin)
 
 
 def _first_spans(target: Target, ends: Array, frame: Frame) -> tuple[float, float]:
@@ -263,7 +296,10 @@ def _first_spans(target: Target, ends: Array, frame: Frame) -> tuple[float, floa
         if joined:
             here = away[:, side * count : (side + 1) * count]
             gap = math.sqrt(float(here[:, 0] @ here[:, 0]))
-            allowance = float(target.allowances[chords[side * count]])
+            chord = int(chords[side * count])
+            allowance = float(target.allowances[chord])
+            if gap > allowance:
+                raise _gap_error(target, float(ends[side]), gap, chord)
             square = np.square(here - here[:, :1]).sum(axis=0)
             far = square > (1.5 * max(allowance - gap, allowance / 8)) ** 2
             if far.any():

@@ -12,6 +12,14 @@ from multirep.sampled import SampledSplice
 __all__ = ["Target"]
 
 
+#: A vertex is a corner if its turn times the shorter chord beside it exceeds the allowance by this factor: evenly spread
+#: knots, two to a chord, leave 1/14 to 1/25 of that product.
+_CORNER = 20.0
+#: Knots beside a corner are off it by so many allowances through the turn; three knots (-w, 0, w) leave 1/6 of turn
+#: times w. Larger needs more knots, smaller higher levels.
+_WIDTH = 2.5
+
+
 class Target(NamedTuple):
     """The polyline L of a sampled splice, ready for many evaluations; coordinates come first, (d, ...).
 
@@ -33,6 +41,10 @@ class Target(NamedTuple):
     """(m,), how far the fit may be from each chord."""
     origin: Array
     """(d,), a vertex; fits keep their digits however far the curve is from zero."""
+    corners: Array
+    """(c,) parameters of the vertices that no knots as far apart as the chords beside them can follow."""
+    widths: Array
+    """(c,), how far from its corner a knot on either side may be."""
 
     @classmethod
     def of(cls, sampled: SampledSplice, tolerance: float) -> Target:
@@ -40,8 +52,17 @@ class Target(NamedTuple):
         origin = sampled.points[0]
         points = np.ascontiguousarray((sampled.points - origin).T)
         t = sampled.t
-        slopes = (points[:, 1:] - points[:, :-1]) / (t[1:] - t[:-1])
-        return cls(t, points, slopes, sampled.allowance(tolerance), origin)
+        lengths = t[1:] - t[:-1]
+        slopes = (points[:, 1:] - points[:, :-1]) / lengths
+        allowances = sampled.allowance(tolerance)
+        turns = slopes[:, 1:] - slopes[:, :-1]
+        turns *= turns
+        sharp = np.sqrt(turns.sum(axis=0))
+        room = np.minimum(allowances[1:], allowances[:-1])
+        near = np.minimum(lengths[1:], lengths[:-1])
+        found = np.flatnonzero(sharp * near > room * _CORNER)
+        widths = room.take(found) * (_WIDTH / sharp.take(found))
+        return cls(t, points, slopes, allowances, origin, t.take(found + 1), widths)
 
     def at(self, t: Array) -> tuple[Array, Indices]:
         """L relative to the origin, (d, *t.shape), and the chord at each t; a vertex belongs to the next chord."""
