@@ -1,0 +1,131 @@
+"""Pulling a point of a NURBS to another place: the smallest change of control points that does it."""
+
+from __future__ import annotations
+
+import operator
+
+import numpy as np
+from attrs import converters, field, frozen, validators
+
+from multirep.arrays import Array
+from multirep.edit import Edit
+from multirep.errors import EditError
+from multirep.fields import as_point, finite_number, finite_point
+from multirep.place import locate
+from multirep.representations.nurbs import Nurbs
+from multirep.scene import Scene
+from multirep.splines import basis_functions
+from multirep.tool import Tool
+
+#: Control points that all have less influence than this are not moved: they would have to move by
+#: a million times as much as the point that is pulled.
+SMALLEST_INFLUENCE = 1e-6
+
+
+@frozen
+class DirectManipulation(Tool[Nurbs]):
+    """Move the point C(t) of the curve to a given place (Bartels-Beatty 1989).
+
+    Of all changes of the chosen control points that bring C(t) there, it makes the one whose
+    squares sum to the least: control point i moves by R_i(t) / sum R_j(t)^2 of the way, where R is
+    the rational basis (eqs. e 4 and e 6, section 3; their recursion for B-splines has the second
+    numerator reversed).
+
+    Parameters
+    ----------
+    t : float, optional
+        Which point of the curve. Either this or ``at``.
+    at : tuple of float, optional
+        The point of the curve nearest to this.
+    to : tuple of float
+        Where it is pulled to; hit up to rounding.
+    hold_ends : bool
+        Whether the first and the last control point stay, and so the ends of the curve.
+    control_points : int, optional
+        How many control points move, from 1 to degree + 1: those with the most influence on C(t).
+        Fewer keep the change more local. Default: all that have any.
+
+    Examples
+    --------
+    >>> line = Nurbs(degree=2, knots=[0, 0, 0, 1, 1, 1], points=[[0, 0], [1, 0], [2, 0]])
+    >>> edit = DirectManipulation(t=0.5, to=[1, 1]).edit(line, Scene())
+    >>> edit.value(0.5), edit.value.points[1]
+    (array([1., 1.]), array([1., 2.]))
+    """
+
+    name = "direct-manipulation"
+    edits = Nurbs
+
+    t: float | None = field(
+        default=None,
+        converter=converters.optional(float),
+        validator=validators.optional(finite_number),
+    )
+    """Which point of the curve."""
+    at: tuple[float, ...] | None = field(
+        default=None,
+        converter=converters.optional(as_point),
+        validator=validators.optional(finite_point),
+    )
+    """The point of the curve nearest to this."""
+    to: tuple[float, ...] = field(kw_only=True, converter=as_point, validator=finite_point)
+    """Where it is pulled to."""
+    hold_ends: bool = field(default=True, validator=validators.instance_of(bool))
+    """Whether the first and the last control point stay."""
+    control_points: int | None = field(
+        default=None,
+        converter=converters.optional(operator.index),
+        validator=validators.optional(validators.ge(1)),
+    )
+    """How many control points move; default all that matter."""
+
+    def edit(self, nurbs: Nurbs, scene: Scene) -> Edit[Nurbs]:
+        """Return the curve that passes through ``to`` at t.
+
+        Raises
+        ------
+        EditError
+            When nothing is left to move, or the parameters make no sense for this curve.
+        """
+        p = nurbs.degree
+        if len(self.to) != nurbs.dimension:
+            raise EditError(
+                f"the curve has {nurbs.dimension} coordinates, 'to' has {len(self.to)}: {self.to}"
+            )
+        if self.control_points is not None and self.control_points > p + 1:
+            raise EditError(
+                f"at most {p + 1} control points matter at one point of a curve of degree {p}; "
+                f"cannot move {self.control_points}"
+            )
+        t = locate(nurbs, self.t, self.at)
+        first = nurbs.span(t) - p
+        influence = rational_basis(nurbs, t)
+        if self.hold_ends:
+            if first == 0:
+                influence[0] = 0.0
+            if first + p == nurbs.size - 1:
+                influence[p] = 0.0
+        if self.control_points is not None:
+            least = np.argsort(influence, kind="stable")[: p + 1 - self.control_points]
+            influence[least] = 0.0
+        if not influence.max() > SMALLEST_INFLUENCE:
+            raise EditError(
+                f"nothing is left to move at t = {t!r}: only control points that are held have "
+                "influence there; let go of them with hold_ends = false"
+            )
+        rows = nurbs.points[first : first + p + 1]
+        way = np.asarray(self.to) - nurbs(t)
+        share = influence / (influence @ influence)
+        return nurbs.move_control_points(first, rows + share[:, None] * way)
+
+
+def rational_basis(nurbs: Nurbs, t: float) -> Array:
+    """Evaluate the p + 1 rational basis functions that do not vanish at t; they sum to 1."""
+    p = nurbs.degree
+    first = nurbs.span(t) - p
+    knots = nurbs.knots[first : first + 2 * p + 2]
+    values = basis_functions(knots, p, np.array([t]), np.array([p]))[0].copy()
+    if nurbs.is_rational:
+        values *= nurbs.weights[first : first + p + 1]
+        values /= values.sum()
+    return values
