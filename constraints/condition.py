@@ -100,9 +100,7 @@ class Rows:
         target = np.array([condition.target for condition in conditions])
         present = np.einsum("mq,mqd->md", rows, points[columns])
         spread = knots[spans + 1] - knots[spans]
-        return cls(
-            low, starts, rows, points, target - present, np.where(order == 1, spread, 1.0)
-        )
+        return cls(low, starts, rows, points, target - present, np.where(order == 1, spread, 1.0))
 
     @property
     def missed(self) -> Array:

@@ -51,9 +51,7 @@ class Freeze(Constraint[Polyline]):
     name = "freeze"
     needs = Polyline
 
-    interval: tuple[float, float] | None = field(
-        default=None, converter=optional(as_interval)
-    )
+    interval: tuple[float, float] | None = field(default=None, converter=optional(as_interval))
     """The stretch of T."""
     stroke: tuple[tuple[float, ...], ...] | None = field(
         default=None, converter=optional(as_points), validator=validators.optional(finite_points)

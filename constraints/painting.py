@@ -52,9 +52,7 @@ def painted(curve: Polyline, stroke: Sequence[ArrayLike], radius: float) -> Spli
     """
     brush = _thinned(np.asarray(stroke, dtype=np.float64), SPACING * radius)
     if brush.shape[1] != curve.dimension:
-        raise EditError(
-            f"a stroke in {brush.shape[1]} coordinates on a curve in {curve.dimension}"
-        )
+        raise EditError(f"a stroke in {brush.shape[1]} coordinates on a curve in {curve.dimension}")
     t, points = np.asarray(curve.t), np.asarray(curve.points)
     low, high = brush.min(axis=0) - radius, brush.max(axis=0) + radius
     k = _boxed(points[:-1], points[1:], low, high)

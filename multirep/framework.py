@@ -257,14 +257,22 @@ class Framework:
                 kind=tool.edits,
                 by=by,
             )
-            for name, constraint in _of_tool(tool, tool.constrains, dict(constraints)).items():
-                if name in constraints:
-                    self.release(curve, name)
-                if constraint is not None:
-                    self._add(curve, name, constraint)
             if settlement.rounds:
                 target.view(tool.edits)
+            self._rearrange(curve, tool)
         return settlement, faded
+
+    def _rearrange(self, curve: str, tool: Tool[Any]) -> None:
+        """Add, replace and release the constraints that a tool asks for."""
+        target, constraints = self._curves[curve], self._constraints[curve]
+        value = target.view(tool.edits)
+        for name, constraint in _of_tool(
+            tool, tool.constrains, value, dict(constraints)
+        ).items():
+            if name in constraints:
+                self.release(curve, name)
+            if constraint is not None:
+                self._add(curve, name, constraint)
 
     def _edit(
         self, target: MultiRepresentation, tool: Tool[Any], constrained: bool
@@ -288,7 +296,7 @@ class Framework:
         return edit, reached, faded
 
     def _scene(self, target: MultiRepresentation, aims: tuple[Aim, ...] = ()) -> Scene:
-        return Scene(dict(self._curves), target.frozen, aims)
+        return Scene(dict(self._curves), target.frozen, aims, target.tolerance)
 
     @contextmanager
     def _way_out(self, curve: str, attempt: Callable[[], object]) -> Iterator[None]:

@@ -31,11 +31,14 @@ class Scene:
         before the border; a tool that can do better by itself looks here.
     aims : tuple of Aim
         What the tool asked for, for the constraints that answer.
+    tolerance : float or None
+        The tolerance of the curve that is being edited; None outside a session.
     """
 
     _curves: Mapping[str, MultiRepresentation] = attrs.field(factory=dict)
     frozen: SpliceList = SpliceList.EMPTY
     aims: tuple[Aim, ...] = ()
+    tolerance: float | None = None
 
     def __iter__(self) -> Iterator[str]:
         return iter(self._curves)

@@ -247,9 +247,7 @@ class _Loop:
                 "do not hold and change nothing to hold again", self.claims(broken), broken
             )
 
-    def edit_of(
-        self, group: list[str], broken: Mapping[str, float]
-    ) -> Edit[Representation]:
+    def edit_of(self, group: list[str], broken: Mapping[str, float]) -> Edit[Representation]:
         first = self.constraints[group[0]]
         value = self.value(group[0])
         label = " and ".join(map(repr, group))

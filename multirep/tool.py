@@ -52,11 +52,12 @@ class Tool(abc.ABC, Generic[R]):
         return (Aim(float(t), to if _is_point(to, value.dimension) else None),)
 
     def constrains(
-        self, held: Mapping[str, Constraint[Any]], /
+        self, value: R, held: Mapping[str, Constraint[Any]], /
     ) -> Mapping[str, Constraint[Any] | None]:
         """Return constraints to add (or replace, by name) and to release (None) after the edit.
 
-        ``held`` are those of the curve; nothing by default.
+        ``value`` is the curve after it, ``held`` are the constraints of the curve by name. Nothing
+        by default.
         """
         return {}
 

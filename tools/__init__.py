@@ -6,10 +6,12 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from multirep.tools.corner import Corner as Corner
     from multirep.tools.delete_vertex import DeleteVertex as DeleteVertex
     from multirep.tools.direct_manipulation import DirectManipulation as DirectManipulation
     from multirep.tools.insert_knot import InsertKnot as InsertKnot
     from multirep.tools.insert_vertex import InsertVertex as InsertVertex
+    from multirep.tools.mark import Mark as Mark
     from multirep.tools.move_control_point import MoveControlPoint as MoveControlPoint
     from multirep.tools.move_vertex import MoveVertex as MoveVertex
     from multirep.tools.oversketch import Oversketch as Oversketch
@@ -19,10 +21,12 @@ if TYPE_CHECKING:
     from multirep.tools.sweep import Sweep as Sweep
 
 _HOMES = {
+    "Corner": "corner",
     "DeleteVertex": "delete_vertex",
     "DirectManipulation": "direct_manipulation",
     "InsertKnot": "insert_knot",
     "InsertVertex": "insert_vertex",
+    "Mark": "mark",
     "MoveControlPoint": "move_control_point",
     "MoveVertex": "move_vertex",
     "Oversketch": "oversketch",
@@ -33,10 +37,12 @@ _HOMES = {
 }
 
 __all__ = [
+    "Corner",
     "DeleteVertex",
     "DirectManipulation",
     "InsertKnot",
     "InsertVertex",
+    "Mark",
     "MoveControlPoint",
     "MoveVertex",
     "Oversketch",

@@ -142,9 +142,7 @@ def _banded(starts: IntArray, scaled: Array, right: Array) -> tuple[Array, float
         shift = np.minimum(starts[diagonal:] - starts[: count - diagonal], width)
         places = shift[:, None] + np.arange(width)
         shifted = np.take_along_axis(padded[: count - diagonal], places, axis=1)
-        gram[diagonal, : count - diagonal] = np.einsum(
-            "mq,mq->m", shifted, scaled[diagonal:]
-        )
+        gram[diagonal, : count - diagonal] = np.einsum("mq,mq->m", shifted, scaled[diagonal:])
     factor, info = dpbtrf(gram, lower=1)
     if info > 0:
         return np.zeros_like(right), 0.0, _near(starts, width, info - 1)
