@@ -31,7 +31,7 @@ def swept(curve: Graded, t: float, offset: Array, level: float) -> Graded:
         In T.
     offset : (d,) array
     level : float
-        At least 0. At j + u the change is ``(1 - u**2)`` that of level j and ``u**2`` that of level j + 1.
+        At least 0. At j + u the change is ``1 - u`` times that of level j plus ``u`` times that of level j + 1.
 
     Raises
     ------
@@ -42,7 +42,7 @@ def swept(curve: Graded, t: float, offset: Array, level: float) -> Graded:
     if not 0 <= level <= finest:
         raise EditError(f"a sweep needs a level from 0 to {finest}, got {level:g}")
     coarse = int(level)
-    share = (level - coarse) ** 2
+    share = level - coarse
     for j, part in ((coarse, 1.0 - share), (coarse + 1, share)):
         if part:
             first, basis = _basis_at(curve.domain, t, j)

@@ -45,7 +45,7 @@ def held(curve: Graded, interval: Interval, keep: SpliceList) -> tuple[Graded, I
     curve : Graded
     interval : Interval
     keep : SpliceList
-        Not a bit may change here; its ends are guarded already.
+        Not a bit may change here. Where an end of it is not guarded, guards stand farther out.
 
     Returns
     -------
@@ -70,16 +70,36 @@ def held(curve: Graded, interval: Interval, keep: SpliceList) -> tuple[Graded, I
         end = start if side < 0 else stop
         if end == (curve.domain.start if side < 0 else curve.domain.stop):
             continue
-        inside = [part for part in keep if part.contains(end)]
-        if inside:
-            end = inside[0].start if side < 0 else inside[0].stop
-        else:
-            curve, end = _guarded(curve, end, side, keep)
+        end, done = _outside(curve, end, side, keep)
+        if not done:
+            curve, end = _guarded(curve, end, side)
         start, stop = (end, stop) if side < 0 else (start, end)
     return curve, Interval(start, stop)
 
 
-def _guarded(curve: Graded, end: float, side: int, keep: SpliceList) -> tuple[Graded, float]:
+def _outside(curve: Graded, end: float, side: int, keep: SpliceList) -> tuple[float, bool]:
+    """Move an end outward until guarding it changes not a bit of what is kept; True if it is guarded there.
+
+    With m the last parameter kept and knots k < m <= k + 1, what acts before m reads no knot beyond k + 3.
+    """
+    if side > 0:
+        kept = [min(part.stop, end) for part in keep if part.start < end][-1:]
+    else:
+        kept = [max(part.start, end) for part in keep if part.stop > end][:1]
+    if not kept:
+        return end, False
+    span = curve.span_at(kept[0], "left" if side > 0 else "right")
+    knot, reads = (span + 1, span + 3) if side > 0 else (span, span - 2)
+    beside = float(curve.knots(knot, knot + 1)[0])
+    if is_guarded(curve, knot, side) and (end - beside) * side <= 0:
+        return beside, True
+    limit = float(curve.knots(max(reads, 3), max(reads, 3) + 1)[0])
+    limit = min(limit, curve.domain.stop)
+    farther = max(end, limit) if side > 0 else min(end, limit)
+    return farther, farther in (curve.domain.start, curve.domain.stop)
+
+
+def _guarded(curve: Graded, end: float, side: int) -> tuple[Graded, float]:
     """Guard one end; returns the curve and where the end is now."""
     domain = curve.domain
     span = curve.span_at(end, "right" if side < 0 else "left")
