@@ -41,7 +41,8 @@ def bounds(subject: Subject) -> tuple[Array, Array]:
     lower, upper = np.full(2, np.inf), np.full(2, -np.inf)
     controls: list[Array] = []
     for curve in subject.curves:
-        for representation in curve.representations.values():
+        values = [*curve.representations.values(), *([curve.before] if curve.before else [])]
+        for representation in values:
             domain = representation.domain
             t = np.linspace(domain.start, domain.stop, 2001)
             flat = flatten(t, representation(t), y_up=subject.y_up)
@@ -119,6 +120,8 @@ def overlay(
     for curve in subject.curves:
         first = next(iter(curve.representations.values()))
         items += changed_stretches(curve, first, frame, subject.y_up, 15.0)
+        if curve.before is not None:
+            items += former_stretches(curve, curve.before, frame, subject.y_up)
         items += overlaid(curve, subject, frame, first.domain, (7.0, 3.4, 1.3))
     if look_at is not None:
         curve, t = look_at
@@ -127,7 +130,7 @@ def overlay(
         items.append(Marks(page, "circle", 11.0, "none", INK, 1.6))
     foot = "drawn within each other, the widest first"
     if any(curve.changed for curve in subject.curves):
-        foot += "; highlighted: changed by the edits"
+        foot += "; highlighted: changed by the edits; dotted: before"
     return Group(
         (
             card(box),
@@ -166,6 +169,15 @@ def changed_stretches(
     stretches = curve.changed & SpliceList([representation.domain])
     chains = tuple(_page(representation, splice, frame, y_up) for splice in stretches)
     return [Lines(chains, CHANGED, width)] if chains else []
+
+
+def former_stretches(
+    curve: CurveSubject, before: Representation, frame: Frame, y_up: bool
+) -> list[Item]:
+    """Draw the changed stretches as they were before the edits."""
+    stretches = curve.changed & SpliceList([before.domain])
+    chains = tuple(_page(before, splice, frame, y_up) for splice in stretches)
+    return [Lines(chains, INK, 1.5, dash=(0.5, 4.5))] if chains else []
 
 
 def _page(representation: Representation, interval: Interval, frame: Frame, y_up: bool) -> Array:

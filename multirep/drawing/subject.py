@@ -25,6 +25,8 @@ class CurveSubject:
         For pairs of them.
     changed : SpliceList
         Where the edits changed the curve.
+    before : Representation or None
+        The curve before the edits.
     """
 
     name: str
@@ -32,6 +34,7 @@ class CurveSubject:
     representations: Mapping[str, Representation]
     deviations: Mapping[tuple[str, str], Deviation]
     changed: SpliceList = SpliceList.EMPTY
+    before: Representation | None = None
 
 
 @frozen(eq=False)

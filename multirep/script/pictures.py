@@ -32,7 +32,10 @@ def picture(result: Result, output: Output) -> Picture:
             for pair, bounds in curve.deviations.items()
             if pair[0] in shown and pair[1] in shown
         }
-        curves.append(CurveSubject(curve.name, curve.tolerance, shown, pairs, curve.changed))
+        before = curve.before if curve.changed else None
+        curves.append(
+            CurveSubject(curve.name, curve.tolerance, shown, pairs, curve.changed, before)
+        )
     edits = sum(curve.edits for curve in result.curves if curve.name in {c.name for c in curves})
     title = output.title or result.script.path.stem
     return draw(Subject(title, tuple(curves), edits, output.y == "up"))

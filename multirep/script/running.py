@@ -64,13 +64,15 @@ class StepResult:
 class CurveResult:
     """A curve after the last step: every representation up to date, every pair bounded.
 
-    ``changed`` is where the steps that were not undone changed it, ``edits`` how many they are.
+    ``before`` is the curve as it was read, ``changed`` where the steps that were not undone changed
+    it, ``edits`` how many they are.
     """
 
     name: str
     tolerance: float
     representations: dict[str, Representation]
     deviations: dict[tuple[str, str], Deviation]
+    before: Representation
     changed: SpliceList
     edits: int
     notes: tuple[str, ...]
@@ -113,11 +115,13 @@ def run(script: Script, registry: Registry, progress: Progress | None = None) ->
     tell = progress or (lambda done, total, what: None)
     total = len(script.curves) + len(script.steps) + len(script.curves)
     session = Session()
+    before: dict[str, Representation] = {}
     notes: dict[str, tuple[str, ...]] = {}
     for index, spec in enumerate(script.curves):
         tell(index, total, f"read {spec.name}")
         curve = _build(script.path, index, spec, registry)
         session.add(spec.name, curve)
+        before[spec.name] = curve.view(curve.authors[0][1])
         merged = (f"{curve.merged} repeated points merged",) if curve.merged else ()
         notes[spec.name] = spec.source.notes + merged
     history = _History(session)
@@ -130,7 +134,8 @@ def run(script: Script, registry: Registry, progress: Progress | None = None) ->
     for index, spec in enumerate(script.curves):
         tell(total - len(script.curves) + index, total, f"bound the deviations of {spec.name}")
         try:
-            curves.append(_result(spec, session.curve(spec.name), history, notes[spec.name]))
+            curve = session.curve(spec.name)
+            curves.append(_result(spec, curve, before[spec.name], history, notes[spec.name]))
         except MultirepError as error:
             raise StepFailedError(f"{spec.name}: {error}", file=str(script.path)) from error
     return Result(script, tuple(curves), tuple(results))
@@ -246,7 +251,11 @@ def _what(step: Step) -> str:
 
 
 def _result(
-    spec: CurveSpec, curve: MultiRepresentation, history: _History, notes: tuple[str, ...]
+    spec: CurveSpec,
+    curve: MultiRepresentation,
+    before: Representation,
+    history: _History,
+    notes: tuple[str, ...],
 ) -> CurveResult:
     order = {"polyline": 0, "nurbs": 1, "wavelet": 2}
     kinds = sorted(curve.kinds, key=lambda kind: (order.get(kind, 3), kind))
@@ -259,6 +268,7 @@ def _result(
         tolerance=curve.tolerance,
         representations=representations,
         deviations=deviations,
+        before=before,
         changed=changed,
         edits=len(standing),
         notes=notes,
