@@ -212,7 +212,7 @@ def check_step(before: State, after: State, events: list[Event]) -> None:
         now = after.held[name].value
         assert now is not None
         if now is not value:
-            check_edit(value, Edit(now, reported))
+            check_edit(value, Edit(now, reported), several=True)
 
 
 def check_up_to_date_pairs(state: State) -> None:
@@ -332,7 +332,7 @@ class SessionMachine(RuleBasedStateMachine):
         self.curve.restore(before)
 
     def teardown(self) -> None:
-        if hasattr(self, "session") and self.session.undoable:
+        if hasattr(self, "session") and len(self.past) == self.session.undoable > 0:
             self.session.undo(self.session.undoable)
             self.check_is(self.past[0])
 
