@@ -17,24 +17,23 @@ from multirep.blocks import BlockArray
 LEAF = 64
 
 
-@attrs.frozen(eq=False)
+@attrs.frozen(eq=False, slots=False)
 class Leaves:
-    """Boxes of the runs of :data:`LEAF` segments of a block, (k, d) each, links included."""
+    """Boxes of the runs of :data:`LEAF` segments of an (n, d) block, made when first asked for."""
 
-    lows: Array
-    highs: Array
+    block: Array
 
-    @classmethod
-    def of(cls, block: Array) -> Leaves:
-        """Return the boxes of an (n, d) block; O(n)."""
-        columns = np.ascontiguousarray(block.T)  # much faster than down the columns
+    @cached_property
+    def boxes(self) -> tuple[Array, Array]:
+        """Lows and highs, (k, d), links between the leaves included; O(n) once."""
+        columns = np.ascontiguousarray(self.block.T)  # much faster than down the columns
         starts = np.arange(0, columns.shape[1], LEAF)
         low = np.minimum.reduceat(columns, starts, axis=1)
         high = np.maximum.reduceat(columns, starts, axis=1)
         links = columns[:, starts[1:]]
         np.minimum(low[:, :-1], links, out=low[:, :-1])
         np.maximum(high[:, :-1], links, out=high[:, :-1])
-        return cls(low.T, high.T)
+        return low.T, high.T
 
 
 @attrs.frozen(eq=False, slots=False)
@@ -79,13 +78,14 @@ class BlockBoxes:
         tail = 0
         while tail < limit - head and blocks[-1 - tail] is old[-1 - tail]:
             tail += 1
-        fresh = [Leaves.of(block) for block in blocks[head : len(blocks) - tail]]
-        low: Array = np.array([leaves.lows.min(axis=0) for leaves in fresh]).reshape(
-            len(fresh), points.shape[1]
-        )
-        high: Array = np.array([leaves.highs.max(axis=0) for leaves in fresh]).reshape(low.shape)
+        changed = blocks[head : len(blocks) - tail]
+        fresh = tuple(map(Leaves, changed))
+        columns = [np.ascontiguousarray(block.T) for block in changed]  # as in Leaves
+        shape = len(changed), points.shape[1]
+        low: Array = np.array([column.min(axis=1) for column in columns]).reshape(shape)
+        high: Array = np.array([column.max(axis=1) for column in columns]).reshape(shape)
         if known is None:
-            return cls(blocks, tuple(fresh), low, high)
+            return cls(blocks, fresh, low, high)
         after = len(old) - tail
         return cls(
             blocks,
@@ -117,10 +117,10 @@ class BlockBoxes:
 
     def leaf_boxes(self, block: int) -> tuple[Array, Array]:
         """Lows and highs, (k, d), of a block's leaves, the link to the next block included."""
-        leaves = self.leaves[block]
+        lows, highs = self.leaves[block].boxes
         if block + 1 == len(self.blocks):
-            return leaves.lows, leaves.highs
-        lows, highs = leaves.lows.copy(), leaves.highs.copy()
+            return lows, highs
+        lows, highs = lows.copy(), highs.copy()
         link = self.blocks[block + 1][0]
         np.minimum(lows[-1], link, out=lows[-1])
         np.maximum(highs[-1], link, out=highs[-1])

@@ -29,24 +29,25 @@ def sample_stretch(
         one in the sum, so at most v (5 ``|q - p|`` + ``|p + u (q - p)|``) in each coordinate.
     """
     a, b = interval
-    inner = t.searchsorted(a, "right"), t.searchsorted(b, "left")
-    start, stop = max(inner[0] - 2, 0), min(inner[1] + 2, len(t))
+    first, last = t.searchsorted(a, "right"), t.searchsorted(b, "left")  # the vertices inside
+    start, stop = max(first - 2, 0), min(last + 2, len(t))
     all_t, all_points = t.window(start, stop), points.window(start, stop)
-    first, last = inner[0] - start, inner[1] - start
+    first, last = first - start, last - start
+    corners = [c for c in _corners(all_t, all_points, tolerance).tolist() if a <= c <= b]
+    if all_t[first - 1] == a and all_t[last] == b:  # ends at vertices: nothing is even copied
+        rows = slice(first - 1, last + 1)
+        return SampledSplice(all_t[rows], all_points[rows], 0.0, tuple(corners))
     ends = interpolate(all_t, all_points, np.array([a, b]))
     bound = 0.0
     for k, end, at in ((first, 0, a), (last, 1, b)):
-        before, after = all_t[k - 1], all_t[min(k, len(all_t) - 1)]
-        if before != at and after != at:
+        if all_t[k - 1] != at and all_t[k] != at:
             rounding = 5 * np.abs(all_points[k] - all_points[k - 1]) + np.abs(ends[end])
             bound = max(bound, UNIT * float(np.linalg.norm(rounding)))
-    corners = _corners(all_t, all_points, tolerance)
-    corners = corners[(corners >= a) & (corners <= b)]
     return SampledSplice(
         np.concatenate([[a], all_t[first:last], [b]]),
         np.concatenate([ends[:1], all_points[first:last], ends[1:]]),
         bound,
-        tuple(corners.tolist()),
+        tuple(corners),
     )
 
 
