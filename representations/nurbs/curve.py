@@ -23,7 +23,12 @@ from multirep.representations.nurbs import (
     moving,
     removal,
 )
-from multirep.representations.nurbs.evaluation import Side, homogeneous, window_points
+from multirep.representations.nurbs.evaluation import (
+    Side,
+    homogeneous,
+    settled_at_corners,
+    window_points,
+)
 from multirep.representations.nurbs.validation import validated
 from multirep.sampled import SampledSplice
 from multirep.splices import SpliceList
@@ -299,8 +304,9 @@ class Nurbs(Representation):
             from scipy.interpolate import BSpline
 
             values: Array = BSpline.construct_fast(knots, points, self.degree)(t)
-            return values
-        return window_points(knots, points, weights, self.degree, t)
+        else:
+            values = window_points(knots, points, weights, self.degree, t)
+        return settled_at_corners(values, knots, points, self.degree, t)
 
     # -- following a polyline -------------------------------------------------------------------
 

@@ -56,6 +56,22 @@ def window_points(
     return np.asarray(values[:, :-1] / w[:, None])
 
 
+def settled_at_corners(values: Array, knots: Array, points: Array, degree: int, t: Array) -> Array:
+    """Put the control point itself where a knot of full multiplicity stands.
+
+    The curve passes it there, but evaluating the piece to the right may be one unit in the last
+    place off, and off by another one when the next knot moves.
+    """
+    count = len(points)
+    full = knots[1 : count + 1] == knots[degree : degree + count]
+    if full.any():
+        corners = knots[1 : count + 1][full]
+        k = np.minimum(corners.searchsorted(t), len(corners) - 1)
+        hit = corners[k] == t
+        values[hit] = points[full][k[hit]]
+    return values
+
+
 def window_derivative(
     knots: Array,
     points: Array,
