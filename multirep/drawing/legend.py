@@ -66,7 +66,7 @@ def table(subject: Subject, box: Box) -> Group:
                 break
             rows += 1
             items.append(Text(box.x + MARGIN, y + 4, f"{one} \N{EN DASH} {two}", BODY, INK))
-            numbers = f"seen {deviation.lower:.3g}   proved \u2264 {deviation.upper:.3g}"
+            numbers = f"seen {deviation.lower:.3g} · proved \u2264 {deviation.upper:.3g}"
             items.append(Text(box.x + box.width - MARGIN, y + 4, numbers, SMALL, MUTED, "end"))
             items += _bar(box, y + 12, deviation.lower, deviation.upper, curve.tolerance)
             y += ROW
