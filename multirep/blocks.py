@@ -12,6 +12,7 @@ from itertools import accumulate, pairwise
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 from numpy.lib.mixins import NDArrayOperatorsMixin
 
 from multirep.arrays import Array, ArrayLike, frozen_array
@@ -229,20 +230,19 @@ class BlockArray(NDArrayOperatorsMixin):
         ``other[other_high:]``. Equal arrays give ``low == high == other_high``. Blocks that both
         share are not looked into: O(changed + blocks).
         """
-        mine, theirs = list(self._blocks), list(other._blocks)
+        mine, theirs = self._blocks, other._blocks
+        limit = min(len(mine), len(theirs))
         i = 0
-        while i < min(len(mine), len(theirs)) and mine[i] is theirs[i]:
+        while i < limit and mine[i] is theirs[i]:
             i += 1
         j = 0
-        while j < min(len(mine), len(theirs)) - i and mine[-1 - j] is theirs[-1 - j]:
+        while j < limit - i and mine[-1 - j] is theirs[-1 - j]:
             j += 1
         low = self._ends[i - 1] if i else 0
         tail = len(self) - (self._ends[len(mine) - j - 1] if len(mine) > j else 0)
         a = self.window(low, len(self) - tail)
         b = other.window(low, len(other) - tail)
-        head, end = _common(a, b), 0
-        if head < min(len(a), len(b)):
-            end = _common(a[head:][::-1], b[head:][::-1])
+        head, end = _common(a, b)
         return low + head, low + len(a) - end, low + len(b) - end
 
     def __repr__(self) -> str:
@@ -271,13 +271,30 @@ def _cut(array: Array) -> list[Array]:
     return blocks
 
 
-def _common(a: Array, b: Array) -> int:
-    """Length of the common bitwise prefix; -0.0 and 0.0 differ."""
+def _common(a: Array, b: Array) -> tuple[int, int]:
+    """Lengths of the common bitwise prefix, and of the common suffix of what follows it.
+
+    -0.0 and 0.0 differ. The comparison is flat: a reduction along short rows is ten times slower.
+    """
     n = min(len(a), len(b))
     if n == 0:
-        return 0
-    bits_a = np.ascontiguousarray(a[:n]).view(np.int64).reshape(-1)
-    bits_b = np.ascontiguousarray(b[:n]).view(np.int64).reshape(-1)
-    differs = bits_a != bits_b  # flat: a reduction along short rows would cost ten times as much
+        return 0, 0
+    width = a.size // len(a)
+    bits_a, bits_b = _bits(a), _bits(b)
+    differs = bits_a[: n * width] != bits_b[: n * width]
     first = int(differs.argmax())
-    return first * n // differs.size if differs[first] else n
+    if not differs[first]:
+        return n, 0
+    head = first // width
+    rest = (n - head) * width
+    if len(a) == len(b):
+        differs = differs[head * width :]
+    else:
+        differs = bits_a[bits_a.size - rest :] != bits_b[bits_b.size - rest :]
+    last = int(differs[::-1].argmax())
+    return head, (last // width if differs[-1 - last] else n - head)
+
+
+def _bits(rows: Array) -> npt.NDArray[np.int64]:
+    bits: npt.NDArray[np.int64] = np.ascontiguousarray(rows).reshape(-1).view(np.int64)
+    return bits
