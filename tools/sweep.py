@@ -18,8 +18,8 @@ class Sweep(Tool[WaveletBSpline]):
     """Move a point of the curve, and as much of the curve with it as the level says (Grimm-Ayers 5.3).
 
     A low level moves the broad course of the curve and leaves its character alone: all finer detail
-    rides along. A high level moves a narrow piece. The change is seven spans of 2**-level of T wide,
-    and is the smallest change of control points of that level which reaches the target
+    rides along. A high level moves a narrow piece. The change is seven spans of 2**-level of T
+    wide, and is the smallest change of control points of that level which reaches the target
     (Finkelstein-Salesin 1994; Bartels-Beatty 1989).
 
     Parameters

@@ -1,8 +1,8 @@
 """Wavelets by definition: P, G and Q as explicit matrices of exact fractions, slow and independent of the fast code.
 
-P comes from polar forms, G from exact integrals of products of polynomial pieces, and a column of Q from what defines
-it: the vector, unique up to its length, that vanishes outside a given window of rows and is orthogonal to every coarse
-function.
+P comes from polar forms, G from exact integrals of products of polynomial pieces, and a column of Q
+from what defines it: the vector, unique up to its length, that vanishes outside a given window of
+rows and is orthogonal to every coarse function.
 """
 
 from __future__ import annotations
@@ -73,8 +73,7 @@ def refinement_matrix(level: int) -> Matrix:
                 low, high = coarse[span - 2 + step + j], coarse[span + 1 + j]
                 share = (argument - low) / (high - low)
                 local[j] = [
-                    (1 - share) * a + share * b
-                    for a, b in zip(local[j], local[j + 1], strict=True)
+                    (1 - share) * a + share * b for a, b in zip(local[j], local[j + 1], strict=True)
                 ]
         matrix.append(local[0])
     return matrix
@@ -109,8 +108,8 @@ def gram_matrix(level: int) -> Matrix:
 def wavelet_matrix(level: int) -> Matrix:
     """Q from ``level - 1`` to ``level``, columns of coprime integers, each first nonzero entry signed as in the primer.
 
-    Column k of m = 2**(level-1) vanishes outside rows max(k, 2k - 3) .. min(k + m + 3, 2k + 7), the smallest windows
-    that leave room for exactly one.
+    Column k of m = 2**(level-1) vanishes outside rows max(k, 2k - 3) .. min(k + m + 3, 2k + 7), the
+    smallest windows that leave room for exactly one.
 
     Examples
     --------

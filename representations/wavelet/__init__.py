@@ -1,8 +1,9 @@
 """The multiresolution wavelet B-spline.
 
-Reading order: ``filters``, ``analysis``, ``pyramid`` (uniform levels and wavelets); ``dyadic``, ``graded`` (the stored
-truth); ``target``, ``prediction``, ``fitting``, ``splicing`` (following a polyline); ``details``, ``uniform``,
-``holding`` (edits and the way between both faces); ``bspline`` (the value); ``data``.
+Reading order: ``filters``, ``analysis``, ``pyramid`` (uniform levels and wavelets); ``dyadic``,
+``graded`` (the stored truth); ``target``, ``prediction``, ``fitting``, ``splicing`` (following a
+polyline); ``details``, ``uniform``, ``holding`` (edits and the way between both faces); ``bspline``
+(the value); ``data``.
 """
 
 from __future__ import annotations

@@ -1,8 +1,9 @@
 """Analysis: from the control points of a level to the coarser level and its details, by banded solves.
 
-With the columns of P and Q interleaved by their position along the curve, the square matrix [P | Q] is banded (five
-diagonals on either side), so one step costs O(n) with an LU factor that is kept for each level. The scheme is exact
-for cubic end-interpolating wavelets, which have no finite analysis filters (Finkelstein-Salesin 1994, section 3.2).
+With the columns of P and Q interleaved by their position along the curve, the square matrix [P | Q]
+is banded (five diagonals on either side), so one step costs O(n) with an LU factor that is kept for
+each level. The scheme is exact for cubic end-interpolating wavelets, which have no finite analysis
+filters (Finkelstein-Salesin 1994, section 3.2).
 """
 
 from __future__ import annotations
@@ -23,7 +24,8 @@ from multirep.splines.arrays import IntArray
 
 __all__ = ["MAX_LEVEL", "analyse"]
 
-#: The finest level that is analysed: 2**16 spans take 16 MB of factors and 4 ms; each level more doubles both.
+#: The finest level that is analysed: 2**16 spans take 16 MB of factors and 4 ms; each level more
+#: doubles both.
 MAX_LEVEL = 16
 
 

@@ -1,8 +1,9 @@
 """One attempt of a fit: given the knots of a stretch, solve, and prove how far the result is off.
 
-The marks of an attempt are its knots, the quarters of its spans and the vertices of the polyline. Least squares counts
-the distance at each mark with the length of the pieces beside it. On a piece between neighbouring marks the difference
-R - L is one cubic, and its four Bernstein coefficients bound it: the deviation is *proved* for every parameter.
+The marks of an attempt are its knots, the quarters of its spans and the vertices of the polyline.
+Least squares counts the distance at each mark with the length of the pieces beside it. On a piece
+between neighbouring marks the difference R - L is one cubic, and its four Bernstein coefficients
+bound it: the deviation is *proved* for every parameter.
 """
 
 from __future__ import annotations
@@ -86,7 +87,7 @@ class Problem:
         """Solve with the knots ``u`` (n + 1,); n >= 3 if an end is joined. Linear in marks."""
         stretch = _lay_out(self.target, u, self.to_t, self.frame)
         pins, arguments = _dictate(stretch.x, self.frame, self.target.origin)
-        points = _solve(stretch, pins, self.frame)
+        points = _solve(stretch, pins, self.frame, self.limits)
         nets = np.einsum("jkn,kdn->jdn", stretch.maps, _windows(points))
         ratios, bound = _certify(stretch, nets, self.limits)
         return Attempt(u, stretch.x, points, arguments, nets, ratios, bound + self.slack)
@@ -162,7 +163,8 @@ def _maps(x: Array, frame: Frame) -> Array:
     np.divide(start - low, wide, out=maps[1, 2])
     np.divide(high - stop, wide, out=maps[2, 1])
     np.divide(stop - low, wide, out=maps[2, 2])
-    # At its start: the polar form at (start, start, start), from those at (low, start, start) and b1.
+    # At its start: the polar form at (start, start, start), from those at (low, start, start) and
+    # b1.
     share = length / (stop - low)
     inner = share * (length / (stop - lowest))
     maps[0, 0] = inner
@@ -204,7 +206,7 @@ def _dictate(x: Array, frame: Frame, origin: Array) -> tuple[Array, Array]:
     return blossom(*frame.pieces, 3, _PIECES, arguments), arguments
 
 
-def _solve(stretch: _Stretch, pins: Array, frame: Frame) -> Array:
+def _solve(stretch: _Stretch, pins: Array, frame: Frame, limits: Array) -> Array:
     """Least squares for the control points (d, n + 3) that are not dictated."""
     from scipy.linalg.lapack import dpbsv
 
@@ -222,9 +224,13 @@ def _solve(stretch: _Stretch, pins: Array, frame: Frame) -> Array:
         wanted = wanted - np.einsum("km,kdm->dm", rows, held)
     if first >= last:
         return points
+    # The length of the pieces on either side, in terms of what is allowed there.
+    counts = (stretch.marks[1:] - stretch.marks[:-1]) * np.square(limits.min() / limits).take(
+        stretch.chords[:-1]
+    )
     weights = np.zeros(len(stretch.marks))
-    weights[:-1] = stretch.marks[1:] - stretch.marks[:-1]
-    weights[1:] += weights[:-1]
+    weights[:-1] = counts
+    weights[1:] += counts
     both = np.concatenate((rows, wanted))
     rows *= weights
     sums = np.add.reduceat(rows[:, None] * both, stretch.starts, axis=2)
@@ -245,8 +251,15 @@ def _certify(stretch: _Stretch, nets: Array, limits: Array) -> tuple[Array, floa
     """Largest proved deviation of each span in terms of its limit, and the largest of all."""
     off, turns = np.einsum("ijm,jdm->idm", stretch.basis, nets.take(stretch.spans, axis=2))
     off -= stretch.values
-    # The Bernstein coefficients of R - L on each piece: its ends, and from there a third of the slope times the length.
+    # The Bernstein coefficients of R - L on each piece: its ends, and from there a third of the
+    # slope times the length.
     square = np.square(off).sum(axis=0)
+    bound = square.max()
+    allowed = np.square(limits).take(stretch.chords[:-1])
+    # A mark belongs to both pieces: where little is allowed on one side, the other side must give way.
+    square[1:-1] /= np.minimum(allowed[1:], allowed[:-1])
+    square[0] /= allowed[0]
+    square[-1] /= allowed[-1]
     worst = np.maximum(square[1:], square[:-1])
     parts = stretch.marks[1:] - stretch.marks[:-1]
     parts /= (stretch.x[1:] - stretch.x[:-1]).take(stretch.spans[:-1])
@@ -254,17 +267,18 @@ def _certify(stretch: _Stretch, nets: Array, limits: Array) -> tuple[Array, floa
     inner = turns[:, :-1] * parts
     inner -= rise
     inner += off[:, :-1]
-    np.maximum(worst, np.square(inner, out=inner).sum(axis=0), out=worst)
-    # The piece before a knot needs the slope of its own span: what the next one says, if that is far shorter, carries
-    # a far larger rounding error.
+    beyond = np.square(inner, out=inner).sum(axis=0)
+    # The piece before a knot needs the slope of its own span: what the next one says, if that is
+    # far shorter, carries a far larger rounding error.
     turns[:, stretch.starts[1:]] = nets[3, :, :-1] - nets[2, :, :-1]
     inner = turns[:, 1:] * parts
     inner -= rise
     inner -= off[:, 1:]
-    np.maximum(worst, np.square(inner, out=inner).sum(axis=0), out=worst)
-    bound = float(worst.max()) ** 0.5
-    worst /= np.square(limits).take(stretch.chords[:-1])
-    return np.sqrt(np.maximum.reduceat(worst, stretch.starts)), bound
+    np.maximum(beyond, np.square(inner, out=inner).sum(axis=0), out=beyond)
+    bound = max(bound, beyond.max())
+    beyond /= allowed
+    np.maximum(worst, beyond, out=worst)
+    return np.sqrt(np.maximum.reduceat(worst, stretch.starts)), float(bound) ** 0.5
 
 
 def _windows(points: Array) -> Array:

@@ -14,8 +14,8 @@ from multirep.interval import Interval
 from multirep.representation import Representation
 from multirep.representations.wavelet import details, holding, splicing
 from multirep.representations.wavelet.data import read, written
-from multirep.representations.wavelet.graded import Graded, clamped, differences
 from multirep.representations.wavelet.filters import level_of
+from multirep.representations.wavelet.graded import Graded, clamped, differences
 from multirep.representations.wavelet.pyramid import Pyramid
 from multirep.representations.wavelet.uniform import uniform_points
 from multirep.sampled import SampledSplice
@@ -27,9 +27,10 @@ __all__ = ["WaveletBSpline"]
 class WaveletBSpline(Representation):
     """A cubic B-spline with two faces: control points on graded dyadic knots, and a pyramid of details.
 
-    The stored truth is the control points. Its knots are A + (B - A) k / 2**l, of as high a level l in each place as
-    the curve needs there, so fine detail in one place costs nothing elsewhere (Grimm-Ayers 6.3 with uniform levels
-    cannot do that). The pyramid (Finkelstein-Salesin 1994) is analysed on demand, by :meth:`pyramid`.
+    The stored truth is the control points. Its knots are A + (B - A) k / 2**l, of as high a level l
+    in each place as the curve needs there, so fine detail in one place costs nothing elsewhere
+    (Grimm-Ayers 6.3 with uniform levels cannot do that). The pyramid (Finkelstein-Salesin 1994) is
+    analysed on demand, by :meth:`pyramid`.
 
     Parameters
     ----------
@@ -45,8 +46,9 @@ class WaveletBSpline(Representation):
 
     Notes
     -----
-    An edit costs what it changes, whatever the size of the curve. A polyline is followed by adding knots where the
-    proof fails; corners are rounded within the tolerance, since all knots are simple.
+    An edit costs what it changes, whatever the size of the curve. A polyline is followed by adding
+    knots where the proof fails; corners are rounded within the tolerance, since all knots are
+    simple.
 
     Examples
     --------
@@ -98,7 +100,8 @@ class WaveletBSpline(Representation):
             return Edit(self, SpliceList.EMPTY, bound)
         return Edit(self._of(graded), differences(self._graded, graded), bound)
 
-    # -- reading -------------------------------------------------------------------------------------------------
+    # -- reading
+    # -------------------------------------------------------------------------------------------------
 
     @property
     def knots(self) -> BlockArray:
@@ -169,7 +172,8 @@ class WaveletBSpline(Representation):
             raise ToleranceError(str(error), tolerance=tolerance) from None
         return SampledSplice(t, points, bound=float(bounds.max()), chord_bounds=bounds)
 
-    # -- following a polyline ------------------------------------------------------------------------------------
+    # -- following a polyline
+    # ------------------------------------------------------------------------------------
 
     @classmethod
     def fit(cls, sampled: SampledSplice, *, tolerance: float, **options: Any) -> Self:
@@ -191,20 +195,21 @@ class WaveletBSpline(Representation):
     def splice(self, sampled: SampledSplice, *, tolerance: float) -> Edit[Self]:
         """Follow ``sampled`` on its interval and stay as it is elsewhere.
 
-        The ends need not be knots. The knots inside are chosen from the data alone; where the two next to an end that
-        is a knot can stay, not a bit changes outside. Otherwise the control points that act beyond the end are
-        expressed anew (the curve there is the same up to rounding), and the edit reports their supports too.
+        The ends need not be knots. The knots inside are chosen from the data alone; where the two
+        next to an end that is a knot can stay, not a bit changes outside. Otherwise the control
+        points that act beyond the end are expressed anew (the curve there is the same up to
+        rounding), and the edit reports their supports too.
 
         Raises
         ------
         ToleranceError
-            When this curve is farther from the samples at an end than the allowance, or the tolerance cannot be
-            proved with knots of level 40.
+            When this curve is farther from the samples at an end than the allowance, or the
+            tolerance cannot be proved with knots of level 40.
 
         Notes
         -----
-        See `multirep.representations.wavelet.splicing`. The cost depends on the samples and the knots needed, not on
-        the size of the curve.
+        See `multirep.representations.wavelet.splicing`. The cost depends on the samples and the
+        knots needed, not on the size of the curve.
         """
         graded, bound = splicing.splice(self._graded, sampled, tolerance=tolerance)
         return self._edit(graded, bound)
@@ -221,11 +226,16 @@ class WaveletBSpline(Representation):
     ) -> tuple[Edit[Self], Interval]:
         """Prepare for ``interval`` to stay as it is bit by bit; see :meth:`Representation.held`.
 
-        Its ends move outward to dyadic numbers; just outside of them two more knots are inserted, which splices that
-        end there keep.
+        Its ends move outward to dyadic numbers; just outside of them two more knots are inserted,
+        which splices that end there keep.
         """
-        graded, guard = holding.held(self._graded, interval, keep)
-        return self._edit(graded), guard
+        domain = self.domain
+        left, before = holding.held(self._graded, Interval(interval.start, domain.stop), keep)
+        graded, after = holding.held(left, Interval(domain.start, interval.stop), keep)
+        edit = self._edit(graded)
+        # One end at a time: what lies between them does not change.
+        splices = differences(self._graded, left) | differences(left, graded)
+        return Edit(edit.value, splices), Interval(before.start, after.stop)
 
     def changes(self, other: Self) -> SpliceList:
         """Where this value and ``other`` may differ; O(changed blocks)."""
@@ -233,7 +243,8 @@ class WaveletBSpline(Representation):
             return SpliceList([self.domain.hull(other.domain)])
         return differences(self._graded, other._graded)
 
-    # -- editing control points and knots ------------------------------------------------------------------------
+    # -- editing control points and knots
+    # ------------------------------------------------------------------------
 
     def move_control_point(self, index: int, to: ArrayLike) -> Edit[Self]:
         """Move one graded control point; changes the four spans of its support.
@@ -252,13 +263,15 @@ class WaveletBSpline(Representation):
     def refine(self, interval: Interval | None = None) -> Edit[Self]:
         """Halve every span that meets the interior of ``interval`` (default T); the curve stays as it is.
 
-        Spans of the finest level that there can be (40 on [0, 1]) stay. ParameterError when the interval leaves T.
+        Spans of the finest level that there can be (40 on [0, 1]) stay. ParameterError when the
+        interval leaves T.
         """
         where = self.domain if interval is None else Interval.of(interval)
         self.parameters([where.start, where.stop])
         return self._edit(details.halved(self._graded, where))
 
-    # -- editing the pyramid -------------------------------------------------------------------------------------
+    # -- editing the pyramid
+    # -------------------------------------------------------------------------------------
 
     def pyramid(self, level: int | None = None) -> Pyramid:
         """Analyse the curve into base and details.
@@ -271,8 +284,9 @@ class WaveletBSpline(Representation):
         Returns
         -------
         Pyramid
-            Exact up to rounding if no knot is finer than ``level``; otherwise that of the best approximation of the
-            level in the L2 norm, which is what the analysis of the finer levels would leave.
+            Exact up to rounding if no knot is finer than ``level``; otherwise that of the best
+            approximation of the level in the L2 norm, which is what the analysis of the finer
+            levels would leave.
 
         Raises
         ------
@@ -302,8 +316,8 @@ class WaveletBSpline(Representation):
         to : (d,) array_like
             Where it shall be.
         level : float
-            Wide changes for low levels, narrow ones for high levels; between two levels the change goes over from
-            one to the other.
+            Wide changes for low levels, narrow ones for high levels; between two levels the change
+            goes over from one to the other.
 
         Returns
         -------
@@ -316,8 +330,9 @@ class WaveletBSpline(Representation):
 
         Notes
         -----
-        Minimum norm: ``dc = B (to - f(t)) / ||B||**2`` with B the four functions of the level at t (Bartels-Beatty
-        1989 on a level of Finkelstein-Salesin 1994). The control points outside of the support keep their bits.
+        Minimum norm: ``dc = B (to - f(t)) / ||B||**2`` with B the four functions of the level at t
+        (Bartels-Beatty 1989 on a level of Finkelstein-Salesin 1994). The control points outside of
+        the support keep their bits.
         """
         at = float(self.parameters(t))
         offset = self._point(to) - self(at)
@@ -346,13 +361,15 @@ class WaveletBSpline(Representation):
 
         Notes
         -----
-        Needs the present value, hence the analysis up to ``level + 1``: linear, unless the pyramid is known already.
+        Needs the present value, hence the analysis up to ``level + 1``: linear, unless the pyramid
+        is known already.
         """
         details.check_detail(self._graded, level, index)
         present = self.pyramid(level + 1).details[level][index]
         return self.add_detail(level, index, self._point(value) - present)
 
-    # -- data ----------------------------------------------------------------------------------------------------
+    # -- data
+    # ----------------------------------------------------------------------------------------------------
 
     def to_dict(self) -> dict[str, Any]:
         """Plain data: level, knots in T, points."""

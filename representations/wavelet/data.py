@@ -9,12 +9,13 @@ import numpy as np
 from multirep.arrays import Array, frozen_array
 from multirep.errors import InvalidCurveError
 from multirep.interval import Interval
-from multirep.representations.wavelet.dyadic import FINEST_LEVEL, finest_level, parameters
+from multirep.representations.wavelet.dyadic import finest_level, parameters
 from multirep.representations.wavelet.graded import Graded
 
 __all__ = ["read", "written"]
 
-#: Knots may be off their dyadic places by this many units in the last place of T: others may have rounded otherwise.
+#: Knots may be off their dyadic places by this many units in the last place of T: others may have
+#: rounded otherwise.
 _ULPS = 8
 
 
@@ -40,7 +41,8 @@ def read(data: dict[str, Any]) -> Graded:
     Raises
     ------
     InvalidCurveError
-        When something is missing, or the knots are not fourfold at the ends, simple inside and dyadic of the level.
+        When something is missing, or the knots are not fourfold at the ends, simple inside and
+        dyadic of the level.
     """
     missing = [key for key in ("level", "knots", "points") if key not in data]
     if missing:

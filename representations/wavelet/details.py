@@ -1,7 +1,8 @@
 """Changes by what lives on one level: sweeps, wavelet details, halved spans.
 
-All are deltas on the graded control points: knots of the level are inserted where the curve is coarser, then the change
-is expressed there. Details of other levels do not change, and control points outside of the support keep their bits.
+All are deltas on the graded control points: knots of the level are inserted where the curve is
+coarser, then the change is expressed there. Details of other levels do not change, and control
+points outside of the support keep their bits.
 """
 
 from __future__ import annotations
@@ -31,7 +32,8 @@ def swept(curve: Graded, t: float, offset: Array, level: float) -> Graded:
         In T.
     offset : (d,) array
     level : float
-        At least 0. At j + u the change is ``1 - u`` times that of level j plus ``u`` times that of level j + 1.
+        At least 0. At j + u the change is ``1 - u`` times that of level j plus ``u`` times that of
+        level j + 1.
 
     Raises
     ------
@@ -55,7 +57,8 @@ def _basis_at(domain: Interval, t: float, level: int) -> tuple[int, Array]:
     """First of the four functions of a level that do not vanish at ``t``, and their values."""
     spans = 1 << level
     guess = int((t - domain.start) / domain.length * spans)
-    # Rounding may put t beside its span; then its values there are those of the neighbour, as they should be.
+    # Rounding may put t beside its span; then its values there are those of the neighbour, as they
+    # should be.
     span = min(max(guess, 0), spans - 1)
     knots = _uniform_knots(domain, level, span, span + 4)
     return span, basis_functions(knots, 3, np.array([t]), np.array([3]))[0]
@@ -76,7 +79,8 @@ def _plus(curve: Graded, level: int, first: int, rows: Array) -> Graded:
     i = 0 if low == 0 else curve.u.searchsorted(low / spans)
     j = curve.size if high == spans else curve.u.searchsorted(high / spans) - 3
     knots = curve.knots(i, j + 4)
-    # Each is the polar form, at its inner knots, of the piece of the change in the middle of its support.
+    # Each is the polar form, at its inner knots, of the piece of the change in the middle of its
+    # support.
     u = curve.u.window(i, j + 4)
     count = j - i
     wide = u[1:] > u[:-1]

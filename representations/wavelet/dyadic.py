@@ -1,6 +1,7 @@
 """Dyadic knots k / 2**l in [0, 1]: exact numbers, where to halve a span, the level of a knot.
 
-All of these are exact in float64 down to level 40 and two levels beyond, which the rows of a fit use.
+All of these are exact in float64 down to level 40 and two levels beyond, which the rows of a fit
+use.
 """
 
 from __future__ import annotations
@@ -24,8 +25,8 @@ __all__ = [
     "starting",
 ]
 
-#: No knot is finer than k / 2**40. Finer knots would be exact as well, but spans of 2**-40 of T already resolve a
-#: corner to 1e-12 of the curve, where rounding of the coordinates begins.
+#: No knot is finer than k / 2**40. Finer knots would be exact as well, but spans of 2**-40 of T
+#: already resolve a corner to 1e-12 of the curve, where rounding of the coordinates begins.
 FINEST_LEVEL = 40
 #: Spans shorter than so many units in the last place of a parameter are not made.
 _ULPS = 64
@@ -79,7 +80,8 @@ def halves(starts: Array, stops: Array) -> Array:
     """
     lengths = stops - starts
     middle = starts + 0.5 * lengths
-    # The largest power of two <= length: its multiple nearest to the middle, or else one of half of it.
+    # The largest power of two <= length: its multiple nearest to the middle, or else one of half of
+    # it.
     step = np.ldexp(0.5, np.frexp(lengths)[1])
     coarse = np.rint(middle / step) * step
     step *= 0.5

@@ -1,12 +1,14 @@
 """Filters of end-interpolating cubic B-spline wavelets: the columns of P and Q, applied as stencils.
 
-Level j has the knots 0, 0, 0, 0, h, 2h, .., 1 - h, 1, 1, 1, 1 with h = 2**-j and so 2**j + 3 control points. A curve
-of level j is one of level j - 1 plus details, ``c(j) = P(j) c(j-1) + Q(j) d(j-1)``, with 2**(j-1) details that are
-orthogonal to everything coarser (Finkelstein-Salesin 1994; Stollnitz, DeRose, Salesin, A Primer, part 2).
+Level j has the knots 0, 0, 0, 0, h, 2h, .., 1 - h, 1, 1, 1, 1 with h = 2**-j and so 2**j + 3
+control points. A curve of level j is one of level j - 1 plus details, ``c(j) = P(j) c(j-1) + Q(j)
+d(j-1)``, with 2**(j-1) details that are orthogonal to everything coarser (Finkelstein-Salesin 1994;
+Stollnitz, DeRose, Salesin, A Primer, part 2).
 
-The columns of Q are integers and make ``P^T G Q = 0`` exactly, where G is the Gram matrix; the decimals printed in the
-primer are these, rounded. Here each column is scaled so that its wavelet has the peak 1: a detail is then the
-displacement, in the units of the points, that it adds at the peak of its wavelet, at every level alike.
+The columns of Q are integers and make ``P^T G Q = 0`` exactly, where G is the Gram matrix; the
+decimals printed in the primer are these, rounded. Here each column is scaled so that its wavelet
+has the peak 1: a detail is then the displacement, in the units of the points, that it adds at the
+peak of its wavelet, at every level alike.
 """
 
 from __future__ import annotations
@@ -26,10 +28,12 @@ __all__ = [
     "unit_scale",
 ]
 
-#: A column that is shift invariant; column k of level j >= 4, 3 <= k <= 2**(j-1) - 4, starts at row 2k - 3.
+#: A column that is shift invariant; column k of level j >= 4, 3 <= k <= 2**(j-1) - 4, starts at row
+#: 2k - 3.
 INTERIOR = (-1, 124, -1677, 7904, -18482, 24264, -18482, 7904, -1677, 124, -1)
 
-#: The columns at the left end, by level (4 stands for all above): column k starts at row k. The right end mirrors them.
+#: The columns at the left end, by level (4 stands for all above): column k starts at row k. The
+#: right end mirrors them.
 END_COLUMNS: dict[int, tuple[tuple[int, ...], ...]] = {
     1: ((1, -2, 3, -2, 1),),
     2: ((1368, -2064, 1793, -1053, 691, -240),),
@@ -65,7 +69,8 @@ END_COLUMNS: dict[int, tuple[tuple[int, ...], ...]] = {
     ),
 }
 
-#: Peaks of the absolute value of the wavelets of the integer columns, same order; INTERIOR_PEAK is exact.
+#: Peaks of the absolute value of the wavelets of the integer columns, same order; INTERIOR_PEAK is
+#: exact.
 END_PEAKS: dict[int, tuple[float, ...]] = {
     1: (1.0,),
     2: (1368.0,),
@@ -83,8 +88,8 @@ END_NORMS: dict[int, tuple[float, ...]] = {
 }
 INTERIOR_NORM = 675221664 / 5
 
-#: The first rows of a refined curve as combinations of the first control points, by the number of coarse spans
-#: (4 stands for 3 and more); the last rows mirror them.
+#: The first rows of a refined curve as combinations of the first control points, by the number of
+#: coarse spans (4 stands for 3 and more); the last rows mirror them.
 _END_ROWS: dict[int, tuple[tuple[float, ...], ...]] = {
     2: ((1.0,), (1 / 2, 1 / 2), (0.0, 3 / 4, 1 / 4), (0.0, 3 / 16, 10 / 16, 3 / 16)),
     4: ((1.0,), (1 / 2, 1 / 2), (0.0, 3 / 4, 1 / 4), (0.0, 3 / 16, 11 / 16, 2 / 16)),

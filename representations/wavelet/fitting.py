@@ -1,7 +1,7 @@
 """Fit a cubic spline on graded dyadic knots to a polyline on one stretch, and prove how far it is off.
 
-Attempt, halve the spans on which the proof fails, repeat. A first fit is then thinned: knots of which the curve hardly
-takes notice are taken out, many at a time, as long as the proof holds.
+Attempt, halve the spans on which the proof fails, repeat. A first fit is then thinned: knots of
+which the curve hardly takes notice are taken out, many at a time, as long as the proof holds.
 """
 
 from __future__ import annotations
@@ -19,10 +19,12 @@ from multirep.representations.wavelet.target import Target
 
 __all__ = ["fit_stretch", "thinned"]
 
-#: Of the spans that fail, only those are halved that are off by this part of the worst of their two neighbours: what
-#: a corner does to its surroundings goes away with it. Smaller halves in vain, larger takes more rounds.
+#: Of the spans that fail, only those are halved that are off by this part of the worst of their two
+#: neighbours: what a corner does to its surroundings goes away with it. Smaller halves in vain,
+#: larger takes more rounds.
 _HALVED = 0.6
-#: Rounding of the certificate and of any float64 evaluation of the curve, in units of the largest coordinate.
+#: Rounding of the certificate and of any float64 evaluation of the curve, in units of the largest
+#: coordinate.
 _ROUNDING = 64 * float(np.finfo(np.float64).eps)
 #: More rounds than there are levels mean that halving does not help.
 _ROUNDS = 64
@@ -30,8 +32,9 @@ _ROUNDS = 64
 _THINNINGS = 12
 #: Thinning ends when a round takes out less than this part of the knots.
 _WORTHWHILE = 0.02
-#: The deviation that taking a knot out is expected to leave: half of what is there, and this part of the jump of the
-#: third derivative in terms of that of the B-spline around the knot. (1/8 on even knots.)
+#: The deviation that taking a knot out is expected to leave: half of what is there, and this part
+#: of the jump of the third derivative in terms of that of the B-spline around the knot. (1/8 on
+#: even knots.)
 _JUMP_SHARE = 0.15
 
 
@@ -52,7 +55,8 @@ def fit_stretch(
     target : Target
         Covers the stretch.
     u : (n + 1,) array
-        Dyadic knots to begin with, the ends of the stretch first and last; at least three spans if an end is joined.
+        Dyadic knots to begin with, the ends of the stretch first and last; at least three spans if
+        an end is joined.
     to_t : callable
         Maps dyadic numbers to parameters, monotonically.
     frame : Frame
@@ -62,7 +66,8 @@ def fit_stretch(
     magnitude : float
         The largest coordinate nearby; rounding is relative to it.
     thin : bool
-        Whether to look for knots that can be spared: a third fewer on real outlines, for three times the time.
+        Whether to look for knots that can be spared: a third fewer on real outlines, for three
+        times the time.
 
     Returns
     -------
@@ -152,8 +157,9 @@ def thinned(problem: Problem, found: Attempt) -> Attempt:
 
     Notes
     -----
-    Each round takes out the knots that promise to cost least among the two on either side, then puts back those near
-    which the proof fails. 10 to 20 attempts in all, within a few per cent of taking out one knot at a time.
+    Each round takes out the knots that promise to cost least among the two on either side, then
+    puts back those near which the proof fails. 10 to 20 attempts in all, within a few per cent of
+    taking out one knot at a time.
     """
     needed = np.zeros(len(found.u) - 2, dtype=bool)
     for _ in range(_THINNINGS):

@@ -18,8 +18,8 @@ from multirep.splines.polar import refine
 __all__ = ["Graded", "clamped", "differences"]
 
 
-#: Parameters that lie farther apart than this many spans each are not evaluated together: gathering a span costs
-#: about 10 ns, a call 10 us.
+#: Parameters that lie farther apart than this many spans each are not evaluated together: gathering
+#: a span costs about 10 ns, a call 10 us.
 _SCATTERED = 1000
 
 
@@ -99,9 +99,7 @@ class Graded:
         """Knots and control points that the spans first..last depend on: a spline of its own."""
         return self.knots(first - 3, last + 5), self.points.window(first - 3, last + 1)
 
-    def evaluate(
-        self, t: Array, order: int = 0, side: Literal["left", "right"] = "right"
-    ) -> Array:
+    def evaluate(self, t: Array, order: int = 0, side: Literal["left", "right"] = "right") -> Array:
         """Points, or derivatives, at parameters (m,) in T, in any order: (m, d).
 
         A few parameters far apart do not pay for all the knots between them.
@@ -125,7 +123,8 @@ class Graded:
     ) -> Graded:
         """Return the curve with ``u`` for the interior knots of one range, ``rows`` for the points of another.
 
-        O(window): blocks outside are shared. Fourfold end knots in ``u`` must be all or none of each.
+        O(window): blocks outside are shared. Fourfold end knots in ``u`` must be all or none of
+        each.
         """
         old = self.u.window(*knots)
         counts = self.counts + level_counts(u) - level_counts(old)
@@ -148,8 +147,8 @@ class Graded:
 
         Notes
         -----
-        Control points whose knots do not change stay bit-identical; the others are polar forms of the
-        old pieces. O(window between the first and the last new knot).
+        Control points whose knots do not change stay bit-identical; the others are polar forms of
+        the old pieces. O(window between the first and the last new knot).
         """
         if not len(u):
             return self
@@ -163,9 +162,7 @@ class Graded:
         finer = np.concatenate((old[:4], finer, old[-4:]))
         knots, points = self.window(first, last)
         rows = refine(knots, points, 3, parameters(finer, self.domain))
-        return self.replaced(
-            (first + 1, last + 1), finer[4:-4], (first - 3, last + 1), rows
-        )
+        return self.replaced((first + 1, last + 1), finer[4:-4], (first - 3, last + 1), rows)
 
 
 def clamped(u: Array) -> Array:

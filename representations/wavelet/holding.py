@@ -1,9 +1,10 @@
 """Prepare a stretch to stay as it is, bit by bit, whatever splices end beside it.
 
-A control point acts on four spans, so a splice that ends at a knot would move bits up to two knots beyond it. Where a
-stretch is to be held, two knots are inserted just outside its end, as close as knots can be. They mark the end as a
-place where splices can stop: these keep them, the control points that act inside stay the same, and what the splice
-needs to turn it finds room for in between.
+A control point acts on four spans, so a splice that ends at a knot would move bits up to two knots
+beyond it. Where a stretch is to be held, two knots are inserted just outside its end, as close as
+knots can be. They mark the end as a place where splices can stop: these keep them, the control
+points that act inside stay the same, and what the splice needs to turn it finds room for in
+between.
 """
 
 from __future__ import annotations
@@ -20,7 +21,8 @@ __all__ = ["held", "is_guarded", "reached", "tight"]
 #: A splice reaches for the third knot outside, so that the two knots between can stay as they are.
 _REACH = 3
 
-#: An end that is no dyadic number moves outward to a coarse one, by at most this part of the span around it.
+#: An end that is no dyadic number moves outward to a coarse one, by at most this part of the span
+#: around it.
 _SLIVER = 2.0**-8
 
 
@@ -80,7 +82,8 @@ def held(curve: Graded, interval: Interval, keep: SpliceList) -> tuple[Graded, I
 def _outside(curve: Graded, end: float, side: int, keep: SpliceList) -> tuple[float, bool]:
     """Move an end outward until guarding it changes not a bit of what is kept; True if it is guarded there.
 
-    With m the last parameter kept and knots k < m <= k + 1, what acts before m reads no knot beyond k + 3.
+    With m the last parameter kept and knots k < m <= k + 1, what acts before m reads no knot beyond
+    k + 3.
     """
     if side > 0:
         kept = [min(part.stop, end) for part in keep if part.start < end][-1:]
@@ -130,7 +133,8 @@ def _guarded(curve: Graded, end: float, side: int) -> tuple[Graded, float]:
 def reached(curve: Graded, interval: Interval, within: Interval) -> Interval:
     """Return the ends that a splice would like: the third knot outside, or as far as it may go.
 
-    Never between the knots that guard a held stretch, for what ends there moves bits of the stretch.
+    Never between the knots that guard a held stretch, for what ends there moves bits of the
+    stretch.
 
     Examples
     --------

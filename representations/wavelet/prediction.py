@@ -1,10 +1,11 @@
 """Predict how fine the knots must be, from the polyline alone and without solving anything.
 
-A span is fine enough when one cubic polynomial, fitted to the polyline over the span and a quarter of its length on
-either side, stays within the allowance: about what a smooth spline achieves on such spans, at corners too (errors for a
-fourth derivative f: f h**4 / 607 predicted, f h**4 / 768 for the best spline; for a jump J of the slope both J h / 20).
-The fit that follows corrects the few spans where this is wrong; starting from here takes it 2 to 5 solves where
-halving step by step takes as many as there are levels, and leaves a third fewer control points at corners.
+A span is fine enough when one cubic polynomial, fitted to the polyline over the span and a quarter
+of its length on either side, stays within the allowance: about what a smooth spline achieves on
+such spans, at corners too (errors for a fourth derivative f: f h**4 / 607 predicted, f h**4 / 768
+for the best spline; for a jump J of the slope both J h / 20). The fit that follows corrects the few
+spans where this is wrong; starting from here takes it 2 to 5 solves where halving step by step
+takes as many as there are levels, and leaves a third fewer control points at corners.
 """
 
 from __future__ import annotations
@@ -20,13 +21,16 @@ from multirep.representations.wavelet.target import Target
 
 __all__ = ["predict"]
 
-#: Samples of a span and its margins. More see narrower features (which the fit would find anyway), fewer cost less.
+#: Samples of a span and its margins. More see narrower features (which the fit would find anyway),
+#: fewer cost less.
 _SAMPLES = 13
-#: How far a span looks beyond its ends, in its lengths: so that a corner at a knot is seen from both sides.
+#: How far a span looks beyond its ends, in its lengths: so that a corner at a knot is seen from
+#: both sides.
 _MARGIN = 0.25
 
 
-#: What no quintic explains counts so much: it comes from corners, which cost a spline more than a single polynomial.
+#: What no quintic explains counts so much: it comes from corners, which cost a spline more than a
+#: single polynomial.
 _CORNER = 2.0
 
 

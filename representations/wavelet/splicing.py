@@ -1,9 +1,10 @@
 """Splices: follow a polyline on any interval, leave the curve outside as it is.
 
-The interval [a, b] need not end at knots. Where it does not, the piece of the old curve that leads in is kept up to a
-dyadic number a' just behind a, as far as it stays within the allowance; a' becomes a knot. The control points that act
-on the old piece are dictated by it (polar forms, so the join is C2); the free ones act only inside. The knots inside are
-chosen anew, from the data alone: what an earlier, finer shape left behind is gone.
+The interval [a, b] need not end at knots. Where it does not, the piece of the old curve that leads
+in is kept up to a dyadic number a' just behind a, as far as it stays within the allowance; a'
+becomes a knot. The control points that act on the old piece are dictated by it (polar forms, so the
+join is C2); the free ones act only inside. The knots inside are chosen anew, from the data alone:
+what an earlier, finer shape left behind is gone.
 """
 
 from __future__ import annotations
@@ -37,7 +38,8 @@ from multirep.splines.polar import blossom
 
 __all__ = ["fit", "splice"]
 
-#: Spans to begin with where no, one or both ends are joined: three would leave nothing free between two joins.
+#: Spans to begin with where no, one or both ends are joined: three would leave nothing free between
+#: two joins.
 _FEWEST_SPANS = (1, 3, 4)
 #: So many old knots beside an end that is a knot are kept where they can be.
 _KEPT = 2
@@ -45,7 +47,8 @@ _KEPT = 2
 _ABOUT = 1.5
 #: The old curve leads in over at most this part of the interval.
 _LEAD_IN = 1 / 8
-#: How much nearer to the end the next try is when the old curve leaves the allowance on its lead-in.
+#: How much nearer to the end the next try is when the old curve leaves the allowance on its
+#: lead-in.
 _NEARER = 1 / 4
 
 
@@ -94,7 +97,8 @@ def splice(curve: Graded, sampled: SampledSplice, *, tolerance: float) -> tuple[
     Raises
     ------
     ToleranceError
-        When an end of the interval is off by more than its allowance already, or the tolerance cannot be proved.
+        When an end of the interval is off by more than its allowance already, or the tolerance
+        cannot be proved.
 
     Notes
     -----
@@ -113,7 +117,9 @@ def splice(curve: Graded, sampled: SampledSplice, *, tolerance: float) -> tuple[
     stop = _stop(curve, target, interval.stop, last)
     frame, inner, kept = _frame(curve, start, stop, target.origin)
     magnitude = max(float(np.abs(sampled.points).max()), float(np.abs(kept).max(initial=0.0)))
-    fitted = _fit(target, _knots_to_keep(curve, start, stop), curve.domain, frame, magnitude, thin=False)
+    fitted = _fit(
+        target, _knots_to_keep(curve, start, stop), curve.domain, frame, magnitude, thin=False
+    )
     rows = fitted.points.T + target.origin
     if start.joined:
         same = (fitted.arguments[:3] == inner[:3]).all(axis=1)
@@ -165,7 +171,9 @@ def _lead_in(curve: Graded, target: Target, end: float, span: int, *, forwards: 
     sign = 1.0 if forwards else -1.0
     shortest = domain.length * 2.0 ** -finest_level(domain)
     while reach >= shortest:
-        ends = sorted(((end + sign * part * reach - domain.start) / domain.length) for part in (2.0**-40, 1.0))
+        ends = sorted(
+            ((end + sign * part * reach - domain.start) / domain.length) for part in (2.0**-40, 1.0)
+        )
         u = coarsest_between(*ends)
         near = float(parameters(np.array([u]), domain)[0])
         low, high = (end, near) if forwards else (near, end)
@@ -192,9 +200,7 @@ def _gap_error(target: Target, end: float, gap: float, chord: int) -> ToleranceE
     )
 
 
-def _frame(
-    curve: Graded, start: _End, stop: _End, origin: Array
-) -> tuple[Frame, Array, Array]:
+def _frame(curve: Graded, start: _End, stop: _End, origin: Array) -> tuple[Frame, Array, Array]:
     """Cut out the surroundings; also the inner knots (6, 3) and points (6, d) of the control points to keep if unmoved."""
     before = curve.knots(start.span - 2, start.span + 1)
     after = curve.knots(stop.span + 1, stop.span + 4)
@@ -280,8 +286,9 @@ def _fit(
 def _first_spans(target: Target, ends: Array, frame: Frame) -> tuple[float, float]:
     """How long the first and the last span may be, so that the curve can turn from the old pieces to the target.
 
-    As far as the old piece, continued, departs from the target by 3/2 of the room there is: a curve that leaves it
-    with all derivatives but the third is off by 0.6 s h on spans of length h if the target leaves at the slope s.
+    As far as the old piece, continued, departs from the target by 3/2 of the room there is: a curve
+    that leaves it with all derivatives but the third is off by 0.6 s h on spans of length h if the
+    target leaves at the slope s.
     """
     assert frame.pieces is not None
     total = float(ends[1] - ends[0])

@@ -12,11 +12,11 @@ from multirep.sampled import SampledSplice
 __all__ = ["Target"]
 
 
-#: A vertex is a corner if its turn times the shorter chord beside it exceeds the allowance by this factor: evenly spread
-#: knots, two to a chord, leave 1/14 to 1/25 of that product.
+#: A vertex is a corner if its turn times the shorter chord beside it exceeds the allowance by this
+#: factor: evenly spread knots, two to a chord, leave 1/14 to 1/25 of that product.
 _CORNER = 20.0
-#: Knots beside a corner are off it by so many allowances through the turn; three knots (-w, 0, w) leave 1/6 of turn
-#: times w. Larger needs more knots, smaller higher levels.
+#: Knots beside a corner are off it by so many allowances through the turn; three knots (-w, 0, w)
+#: leave 1/6 of turn times w. Larger needs more knots, smaller higher levels.
 _WIDTH = 2.5
 
 

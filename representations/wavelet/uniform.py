@@ -25,14 +25,16 @@ def uniform_points(curve: Graded, level: int) -> Array:
     Returns
     -------
     (2**level + 3, d) array
-        Of the same curve, by inserting knots, if none is finer than the level; else of its orthogonal projection.
+        Of the same curve, by inserting knots, if none is finer than the level; else of its
+        orthogonal projection.
 
     Notes
     -----
-    Linear in control points + 2**level. The projection integrates products of cubics with four Gauss nodes on every
-    piece between knots of either kind, which is exact, and solves a system of seven diagonals. Projections on coarser
-    levels are those of this one, as the levels are nested: so the pyramid up to any level is the lower part of the
-    pyramid that the finest level would have.
+    Linear in control points + 2**level. The projection integrates products of cubics with four
+    Gauss nodes on every piece between knots of either kind, which is exact, and solves a system of
+    seven diagonals. Projections on coarser levels are those of this one, as the levels are nested:
+    so the pyramid up to any level is the lower part of the pyramid that the finest level would
+    have.
 
     Examples
     --------

@@ -1,8 +1,6 @@
 from __future__ import annotations
 
-from collections.abc import Sequence
 from functools import cache
-from typing import Any, ClassVar
 
 import numpy as np
 import pytest
@@ -14,11 +12,8 @@ from multirep.errors import EditError, ParameterError
 from multirep.representations import WaveletBSpline
 from multirep.representations.wavelet.filters import refine_uniform
 from multirep.scene import Scene
-from multirep.testing import ToolSuite, check_edit
-from multirep.tool import Tool
+from multirep.testing import check_edit
 from multirep.tools import Sweep
-
-NAN, INF = float("nan"), float("inf")
 
 
 @cache
@@ -29,45 +24,6 @@ def curve(dimension: int = 2, domain: tuple[float, float] = (0.0, 1.0)) -> Wavel
     wiggle = 0.05 * np.sin(200 * s) * np.exp(-((s - 0.6) ** 2) / 0.001)
     points = np.stack([np.cos((3 + k) * s) + wiggle for k in range(dimension)], axis=1)
     return WaveletBSpline.fit(SampledSplice(t, points), tolerance=1e-3)
-
-
-class TestSweep(ToolSuite):
-    malformed: ClassVar = [
-        {"t": 0.5, "to": [0, NAN], "level": 2},
-        {"t": INF, "to": [0, 0], "level": 2},
-        {"t": 0.5, "to": [0, 0], "level": -1},
-        {"t": 0.5, "to": [0, 0], "level": NAN},
-        {"t": 0.5, "to": [0, 0]},
-        {"t": 0.5, "level": 2},
-        {"at": "ab", "to": [0, 0], "level": 2},
-    ]
-
-    @pytest.fixture
-    def value(self) -> WaveletBSpline:
-        return curve()
-
-    @pytest.fixture
-    def tool(self) -> Sweep:
-        return Sweep(t=0.3, to=(0.5, 0.7), level=3)
-
-    @pytest.fixture
-    def refused(self) -> Sequence[Tool[Any]]:
-        to = (0.0, 0.0)
-        return [
-            Sweep(t=2.0, to=to, level=2),
-            Sweep(to=to, level=2),
-            Sweep(t=0.5, at=to, to=to, level=2),
-            Sweep(t=0.5, to=(1.0, 2.0, 3.0), level=2),
-            Sweep(t=0.5, to=to, level=41),
-        ]
-
-
-class TestFractionalSweep(TestSweep):
-    """By the nearest point, at the end of T, between two levels."""
-
-    @pytest.fixture
-    def tool(self) -> Sweep:
-        return Sweep(at=(2.0, 1.0), to=(1.5, 1.5), level=4.4)
 
 
 @pytest.mark.parametrize("dimension", [1, 2, 3])

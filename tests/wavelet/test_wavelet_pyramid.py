@@ -47,7 +47,9 @@ def test_worked_decomposition_is_reproduced():
         assert np.abs(points - facts["c"]).max() <= limit
         added = np.zeros((2 ** (level + 1) + 3, 2))
         add_details(added, pyramid.details[level])
-        assert np.abs(added - facts["Q_d (normalisation-free: c^(j) - P^(j) c^(j-1))"]).max() <= limit
+        assert (
+            np.abs(added - facts["Q_d (normalisation-free: c^(j) - P^(j) c^(j-1))"]).max() <= limit
+        )
         unit = pyramid.unit_details(level)
         assert np.abs(unit - facts["d_for_unit_L2_on_0_1_columns"]).max() <= limit
     recomposed = pyramid.control_points()

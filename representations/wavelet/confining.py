@@ -1,0 +1,183 @@
+"""Go over from one curve to another inside an interval, smoothly and changing nothing outside.
+
+Both curves are written on the same knots; the control points inside the interval go over from the
+one to the other with weights that rise from 0 to 1 over an apron at each end of the interval that
+lies inside T. So the result is as smooth as its knots (C2), and the rule of fixed stretches holds:
+only control points move whose support lies inside (facts 1e; Grimm-Ayers 6.3).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from multirep.arrays import Array
+from multirep.errors import EditError
+from multirep.interval import Interval
+from multirep.representations.wavelet.graded import Graded
+from multirep.splices import SpliceList
+
+__all__ = ["confined", "confined_to", "inside"]
+
+#: An apron takes at most this part of the interval, so that something is left between two.
+LARGEST_APRON = 1 / 3
+
+
+def confined_to(before: Graded, after: Graded, where: SpliceList, apron: float) -> Graded:
+    """Return ``after`` on some stretches and ``before`` elsewhere; see :func:`confined`.
+
+    Raises
+    ------
+    EditError
+        When there is no stretch with room for a change.
+
+    Examples
+    --------
+    >>> from multirep.representations.wavelet.graded import clamped
+    >>> u = clamped(np.linspace(0, 1, 33))
+    >>> flat = Graded.of(Interval(0, 1), u, np.zeros((35, 1)))
+    >>> high = Graded.of(Interval(0, 1), u, np.ones((35, 1)))
+    >>> half = confined_to(flat, high, SpliceList([(0.5, 1)]), apron=0.125)
+    >>> half.evaluate(np.array([0.25, 0.5, 0.75, 1.0]))[:, 0]
+    array([0., 0., 1., 1.])
+    """
+    if where == SpliceList([before.domain]):
+        return after
+    curve = before
+    for stretch in where:
+        curve = confined(curve, after, stretch, apron)
+    if curve is before:
+        spans = [stop - start for start, stop in (inside(before, stretch) for stretch in where)]
+        raise EditError(
+            f"there is no room for a change on {where or 'an empty stretch'}: it covers "
+            f"{max([0, *spans])} whole spans of the curve, and the smallest change that stays "
+            "inside takes 4, and 8 where knots have to be added (refine the curve there)"
+        )
+    return curve
+
+
+def inside(curve: Graded, interval: Interval) -> tuple[int, int]:
+    """Return the first and the last knot of a curve in an interval; the outermost at ends of T."""
+    first, last = curve.span_at(interval.start, "left") + 1, curve.span_at(interval.stop)
+    if interval.start <= curve.domain.start:
+        first = 3
+    if interval.stop >= curve.domain.stop:
+        last = curve.size
+    return first, last
+
+
+def confined(before: Graded, after: Graded, interval: Interval, apron: float) -> Graded:
+    """Return a curve that is ``before`` outside an interval and ``after`` in its middle.
+
+    Parameters
+    ----------
+    before, after : Graded
+        On the same T; ``after`` may be a part around the interval.
+    interval : Interval
+    apron : float
+        Width of the transition at each end inside T, as a part of T; at most a third of the
+        interval is used. Its weights are ``s**2 (3 - 2 s)`` in the distance s, at the mean of the
+        three inner knots of each control point.
+
+    Returns
+    -------
+    Graded
+        ``before`` itself if nothing can change inside. Control points whose support reaches out of
+        the interval keep their bits. Knots of ``before`` that the middle does not need are gone.
+
+    Notes
+    -----
+    Linear in the knots of both inside the interval. New knots keep two knots of ``before`` off the
+    ends, or control points beyond would change.
+    """
+    first, last = inside(before, interval)
+    if last - first < 1:
+        return before
+    ends = before.u.window(first, last + 1)
+    left, right = first > 3, last < before.size
+    low, high = ends[2 * left], ends[len(ends) - 1 - 2 * right]
+    if low >= high:
+        return before
+    u = _strictly_inside(after, ends[0], ends[-1])
+    missing = np.setdiff1d(u, ends, assume_unique=True)
+    # Where `after` has knots too near to an end to be taken over, the change begins behind them.
+    start = low if len(missing) and missing[0] <= low else ends[0]
+    stop = high if len(missing) and missing[-1] >= high else ends[-1]
+    curve = before.refined(missing[(missing > low) & (missing < high)])
+    i = _index(curve, start, 3, left)
+    j = _index(curve, stop, curve.size, right)
+    common = curve.u.window(i, j + 1)
+    p, q = (i if left else 0), (j - 3 if right else curve.size)
+    if p >= q:
+        return before
+    wanted = _points_on(after, common, (left, right))
+    weights = _weights(curve, (p, q), (left, right), apron)
+    old = curve.points.window(p, q)
+    rows = np.where(weights == 1.0, wanted, old + weights * (wanted - old))
+    if len(curve.u) == len(before.u) and (rows == old).all():
+        return before
+    curve = curve.replaced((4, 4), np.empty(0), (p, q), rows)
+    full = np.flatnonzero(weights[:, 0] == 1.0)
+    return _thinned(curve, after, p + full[0], p + full[-1] + 1) if len(full) else curve
+
+
+def _strictly_inside(curve: Graded, low: float, high: float) -> Array:
+    u: Array = curve.u.window(curve.u.searchsorted(low, "right"), curve.u.searchsorted(high))
+    return u
+
+
+def _index(curve: Graded, u: float, end: int, inner: bool) -> int:
+    """Index of a knot inside T; ``end`` at the ends of T."""
+    return curve.u.searchsorted(u) if inner else end
+
+
+def _points_on(curve: Graded, breaks: Array, inner: tuple[bool, bool]) -> Array:
+    """Control points of a curve on finer knots, those with support between the first and the last.
+
+    Parameters
+    ----------
+    curve : Graded
+    breaks : (m + 1,) array
+        Its own knots in between are among them.
+    inner : pair of bool
+        Whether supports begin at the first and end at the last of them; else all from the start, or
+        up to the end, of T are meant.
+    """
+    left, right = inner
+    curve = curve.refined(breaks[(breaks > 0.0) & (breaks < 1.0)])
+    p = curve.u.searchsorted(breaks[0], "right") - 1 if left else 0
+    q = curve.u.searchsorted(breaks[-1]) - 3 if right else curve.size
+    points: Array = curve.points.window(p, q)
+    return points
+
+
+def _weights(
+    curve: Graded, points: tuple[int, int], inner: tuple[bool, bool], apron: float
+) -> Array:
+    """Return the weights (q - p, 1) of control points p..q-1."""
+    p, q = points
+    u = curve.u.window(p, q + 4)
+    places = (u[1:-3] + u[2:-2] + u[3:-1]) / 3.0
+    width = min(apron, LARGEST_APRON * (u[-1] - u[0]))
+    weights = np.ones(q - p)
+    for present, distance in zip(inner, (places - u[0], u[-1] - places), strict=True):
+        if present:
+            s = np.minimum(distance / width, 1.0)
+            weights *= s * s * (3.0 - 2.0 * s)
+    return weights[:, None]
+
+
+def _thinned(curve: Graded, after: Graded, p: int, q: int) -> Graded:
+    """Drop knots that ``after`` does not have where control points p..q-1 are those of ``after``.
+
+    Three knots at each end of that stretch stay, so that the control points which reach over it
+    do.
+    """
+    if q - p < 12:
+        return curve
+    u = curve.u.window(p + 3, q + 1)
+    middle = _strictly_inside(after, u[3], u[-4])
+    if len(middle) >= len(u) - 8:
+        return curve
+    breaks = np.concatenate((u[:4], middle, u[-4:]))
+    rows = _points_on(after, breaks, (True, True))
+    return curve.replaced((p + 4, q), breaks[1:-1], (p + 3, q - 3), rows)
