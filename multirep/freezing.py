@@ -19,6 +19,7 @@ from collections.abc import Iterable, Mapping
 import attrs
 
 from multirep.errors import EditError, FrozenError, PluginError
+from multirep.interval import Interval
 from multirep.representation import Representation
 from multirep.splices import SpliceList
 from multirep.state import Held, State
@@ -52,9 +53,13 @@ def with_claim(state: State, name: str, asked: SpliceList) -> State:
 def without_claim(state: State, name: str) -> State:
     """Return the state in which what ``name`` froze is free, as far as no other claim holds it."""
     claims = {other: splices for other, splices in state.claims.items() if other != name}
-    if not claims:
-        return attrs.evolve(state, claims={}, frozen=SpliceList.EMPTY)
-    return _prepared(state, claims, claimed(claims.values()), state.claims[name])
+    keep = claimed(claims.values())
+    after = (
+        _prepared(state, claims, keep, state.claims[name])
+        if claims
+        else attrs.evolve(state, claims={}, frozen=SpliceList.EMPTY)
+    )
+    return _tidied(after)
 
 
 def claimed(claims: Iterable[SpliceList]) -> SpliceList:
@@ -102,20 +107,58 @@ def _prepared(
         part for part in state.frozen if not SpliceList([part]).intersects(touched)
     )
     frozen = _grown(values, settled, claimed(claims.values()), keep)
+    added = {kind: dict(ends) for kind, ends in state.added.items()}
     for part in frozen:
         if settled.contains(part):
             continue
         for kind, value in values.items():
-            edit, _ = value.held(part, keep)
-            if edit.splices.intersects(keep):
-                raise PluginError(
-                    f"{kind!r} changed {edit.splices & keep} while it prepared for {part} "
-                    "to be frozen",
-                    kind,
-                )
-            values[kind] = edit.value
+            values[kind], new = _held(kind, value, part, keep)
+            counts = added.setdefault(kind, {})
+            for end, count in new.items():
+                counts[end] = counts.get(end, 0) + count
     kinds = {kind: Held(values[kind], held.stale) for kind, held in state.held.items()}
-    return attrs.evolve(state, held=kinds, claims=claims, frozen=frozen)
+    return attrs.evolve(state, held=kinds, claims=claims, frozen=frozen, added=added)
+
+
+def _held(
+    kind: str, value: Representation, part: Interval, keep: SpliceList
+) -> tuple[Representation, dict[float, int]]:
+    """Prepare a value for a stretch, end by end; returns it and how many controls it got where."""
+    domain = value.domain
+    added: dict[float, int] = {}
+    for end, half in (
+        (part.start, Interval(part.start, domain.stop)),
+        (part.stop, Interval(domain.start, part.stop)),
+    ):
+        edit, _ = value.held(half, keep)
+        if edit.splices.intersects(keep):
+            raise PluginError(
+                f"{kind!r} changed {edit.splices & keep} while it prepared for {part} to be frozen",
+                kind,
+            )
+        if edit.value.size > value.size:
+            added[end] = edit.value.size - value.size
+        value = edit.value
+    return value, added
+
+
+def _tidied(state: State) -> State:
+    """Take back the controls at ends of stretches that are frozen no more."""
+    ends = {end for part in state.frozen for end in part}
+    added: dict[str, dict[float, int]] = {}
+    for kind, counts in state.added.items():
+        value = state.held[kind].value
+        assert value is not None
+        waiting = {end: count for end, count in counts.items() if end in ends}
+        for end in sorted(set(counts) - ends):
+            edit = value.released(end, counts[end])
+            if edit.splices.intersects(state.frozen):
+                waiting[end] = counts[end]  # inside of what another one froze
+            else:
+                value = edit.value
+        added[kind] = waiting
+        state = state.with_held(kind, Held(value, state.held[kind].stale))
+    return attrs.evolve(state, added=added)
 
 
 def _grown(

@@ -114,6 +114,14 @@ class Representation(abc.ABC):
         """
         return Edit(self, SpliceList.EMPTY), interval
 
+    def released(self, t: float, count: int) -> Edit[Self]:
+        """Take back controls that :meth:`held` put at ``t``, as far as nothing needs them now.
+
+        Returns the same curve up to rounding without ``count`` controls, or fewer, or with all of
+        them. The default changes nothing.
+        """
+        return Edit(self, SpliceList.EMPTY)
+
     def changes(self, other: Self) -> SpliceList:
         """Where this value and ``other`` may differ; must cover every difference.
 

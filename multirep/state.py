@@ -33,6 +33,8 @@ class State:
     frozen : SpliceList
         Where nothing may change: the claims and the little around them that some representation
         needs to hold them still (:meth:`~multirep.Representation.held`).
+    added : mapping of str to mapping of float to int
+        How many controls each kind got at the ends of frozen stretches, to be taken back later.
     """
 
     tolerance: float
@@ -40,6 +42,7 @@ class State:
     authors: AuthorMap
     claims: Mapping[str, SpliceList] = attrs.field(factory=dict)
     frozen: SpliceList = SpliceList.EMPTY
+    added: Mapping[str, Mapping[float, int]] = attrs.field(factory=dict)
 
     def with_held(self, name: str, held: Held) -> State:
         """Return the state with another value of one kind."""

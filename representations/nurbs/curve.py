@@ -400,6 +400,10 @@ class Nurbs(Representation):
         """
         return holding.held(self, interval, keep)
 
+    def released(self, t: float, count: int) -> Edit[Self]:
+        """Remove the knot at ``t`` up to ``count`` times, as far as that is a matter of rounding."""
+        return holding.released(self, t, count)
+
     def changes(self, other: Self) -> SpliceList:
         """Where this value and ``other`` may differ; O(changed blocks)."""
         if (

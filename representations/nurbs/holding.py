@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, TypeVar
 
 from multirep.edit import Edit
+from multirep.errors import EditError, ToleranceError
 from multirep.interval import Interval
 from multirep.splices import SpliceList
 
@@ -16,6 +17,9 @@ N = TypeVar("N", bound="Nurbs")
 #: An end that comes so close to a knot outside, in terms of T, takes that knot instead: a span that
 #: short would only cost digits.
 NEAR = 1e-9
+#: A knot is taken back if that is proved to move the curve by no more than this part of its
+#: coordinates: rounding, after the knot was inserted and the curve beside it left alone.
+ROUNDING = 2.0**-44
 
 
 def held(curve: N, interval: Interval, keep: SpliceList) -> tuple[Edit[N], Interval]:
@@ -29,6 +33,18 @@ def held(curve: N, interval: Interval, keep: SpliceList) -> tuple[Edit[N], Inter
     start, stop = _left(curve, interval.start, keep), _right(curve, interval.stop, keep)
     knots = [t for t in (start, stop) for _ in range(_missing(curve, t))]
     return curve.insert_knots(knots), Interval(start, stop)
+
+
+def released(curve: N, t: float, count: int) -> Edit[N]:
+    """Remove the knot at ``t`` up to ``count`` times, as far as that is a matter of rounding."""
+    value, splices = curve, SpliceList.EMPTY
+    for _ in range(count):
+        try:
+            edit = value.remove_knot(t, tolerance=ROUNDING * curve.magnitude)
+        except (EditError, ToleranceError):
+            break
+        value, splices = edit.value, splices | edit.splices
+    return Edit(value, splices)
 
 
 def _right(curve: Nurbs, t: float, keep: SpliceList) -> float:

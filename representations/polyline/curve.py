@@ -17,7 +17,7 @@ from multirep.representations.polyline.boxes import BlockBoxes
 from multirep.representations.polyline.chord_length import chord_length
 from multirep.representations.polyline.differences import changed_stretches
 from multirep.representations.polyline.evaluation import evaluate, slopes
-from multirep.representations.polyline.holding import NOTHING, held
+from multirep.representations.polyline.holding import NOTHING, held, released
 from multirep.representations.polyline.proximity import nearest_place
 from multirep.representations.polyline.sampling import sample_stretch
 from multirep.representations.polyline.splicing import follow
@@ -221,8 +221,12 @@ class Polyline(Representation):
         )
 
     def held(self, interval: Interval, keep: SpliceList = NOTHING) -> tuple[Edit[Self], Interval]:
-        """Make vertices of the ends, so that the interval can stay bit by bit."""
+        """Make vertices of the ends; see `Representation.held`."""
         return held(self, interval, keep)
+
+    def released(self, t: float, count: int) -> Edit[Self]:
+        """Delete the vertex at ``t`` if it lies on the line between its neighbours."""
+        return released(self, t)
 
     def changes(self, other: Self) -> SpliceList:
         """Where two versions may differ: the segments that they do not share; O(changed blocks)."""

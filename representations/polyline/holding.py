@@ -14,6 +14,8 @@ if TYPE_CHECKING:
 P = TypeVar("P", bound="Polyline")
 
 NOTHING = SpliceList.EMPTY
+#: A vertex this close to the line between its neighbours is on it, in terms of the coordinates.
+ROUNDING = 2.0**-48
 
 
 def held(curve: P, interval: Interval, keep: SpliceList) -> tuple[Edit[P], Interval]:
@@ -36,3 +38,16 @@ def held(curve: P, interval: Interval, keep: SpliceList) -> tuple[Edit[P], Inter
                 value, splices = edit.value, splices | edit.splices
         ends.append(t)
     return Edit(value, splices), Interval(*ends)
+
+
+def released(curve: P, t: float) -> Edit[P]:
+    """Delete the vertex at ``t`` if it lies on the line between its neighbours, at its parameter."""
+    k = curve.t.searchsorted(t)
+    if not 0 < k < curve.size - 1 or float(curve.t[k]) != t:
+        return Edit(curve, SpliceList.EMPTY)
+    around, points = curve.t.window(k - 1, k + 2), curve.points.window(k - 1, k + 2)
+    share = (around[1] - around[0]) / (around[2] - around[0])
+    off = points[0] + share * (points[2] - points[0]) - points[1]
+    if float(abs(off).max()) > ROUNDING * curve.magnitude:
+        return Edit(curve, SpliceList.EMPTY)
+    return curve.delete_vertex(k)
