@@ -7,6 +7,7 @@ else. So a changed control point i touches [u_i, u_(i+p+1)].
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from multirep.arrays import Array, Indices
 from multirep.blocks import BlockArray
@@ -73,7 +74,10 @@ def difference(
     knots: tuple[BlockArray, BlockArray],
     rows: tuple[tuple[BlockArray, BlockArray], ...],
 ) -> SpliceList:
-    """Where two curves of one degree and domain may differ; O(changed blocks).
+    """Where two curves of one degree and domain may differ.
+
+    Shared blocks are not looked into; between the first and the last difference, span is compared
+    with span: a span that reads the same knots and the same rows is the same to the last bit.
 
     Parameters
     ----------
@@ -83,36 +87,39 @@ def difference(
         Of this curve and of the other.
     rows : pairs of BlockArray
         Control points, and weights if there are any.
-
-    Returns
-    -------
-    SpliceList
-        One interval around everything that differs, or nothing.
     """
-    low, high, other_high = knots[0].difference(knots[1])
-    while (
-        min(high, other_high) > 0
-        and knots[0][high - 1] == knots[1][other_high - 1]
-        and not (low == high == other_high)
-    ):  # a knot put beside its equals: from the right, the first of them is the new one
-        high, other_high = high - 1, other_high - 1
-    equal = low == high and len(knots[0]) == len(knots[1])
-    count, other = len(knots[0]), len(knots[1])
+    p, (mine, theirs) = degree, knots
+    n = len(mine) - p - 1
+    low, high, _ = mine.difference(theirs)
+    equal = low == high and len(mine) == len(theirs)
     # Spans before `first` read no changed knot and no changed row, neither do those from `last` on.
-    first = count if equal else low - degree
-    last = 0 if equal else high + degree - 1
-    for mine, theirs in rows:
-        low, high, _ = mine.difference(theirs)
-        if low == high and len(mine) == len(theirs):
-            continue
-        equal = False
-        first, last = min(first, low), max(last, high + degree)
-    if equal:
+    first, last = (n, p) if equal else (low - p, high + p - 1)
+    for here, there in rows:
+        low, high, _ = here.difference(there)
+        if low < high or len(here) != len(there):
+            equal = False
+            first, last = min(first, low), max(last, high + p)
+    first, last = max(first, p), min(last, n)
+    if equal or first >= last:
         return SpliceList.EMPTY
-    n = min(count, other) - degree - 1
-    start = domain.start if first <= degree else float(knots[0][min(first, n)])
-    last = max(last, first)
-    stop = domain.stop if last >= count - degree - 1 else float(knots[0][last])
-    if not start < stop:  # only knots or control points that no point of T depends on
-        return SpliceList.EMPTY
-    return SpliceList([Interval(start, stop)])
+    shift = len(theirs) - len(mine)
+    # A span has the same number in both before the difference, and is shifted after it.
+    other_first, other_last = min(first, n + shift - 1), max(last + shift, first + 1)
+    a = mine.window(first - p, last + p + 1)
+    b = theirs.window(other_first - p, min(other_last, n + shift) + p + 1)
+    spans = np.flatnonzero(a[p : len(a) - p - 1] < a[p + 1 : len(a) - p]) + p
+    found = np.clip(b.searchsorted(a[spans], "right") - 1, p, len(b) - p - 2)
+    local = np.arange(1 - p, p + 1)
+    same = (a.take(spans[:, None] + local) == b.take(found[:, None] + local)).all(axis=1)
+    for here, there in rows:
+        x = _bits(here.window(first - p, last))
+        y = _bits(there.window(other_first - p, other_first + len(b) - 2 * p - 1))
+        for offset in range(-p, 1):
+            same &= (x.take(spans + offset, axis=0) == y.take(found + offset, axis=0)).all(axis=1)
+    changed = spans[~same]
+    return merged(a[changed], a[changed + 1], domain)
+
+
+def _bits(rows: Array) -> NDArray[np.int64]:
+    """Return rows as integers, (k, -1): -0.0 is not 0.0."""
+    return np.ascontiguousarray(rows).view(np.int64).reshape(len(rows), -1)
