@@ -3,13 +3,13 @@
 Strokes are averaged one after another. Every stroke counts once: over a place that k strokes
 passed, the result is their mean, whatever their speed and their number of samples. Places
 correspond by arc length, from end to end of what two strokes share, and from corner to corner where
-both turn.
+both turn; between these they slide to where the strokes are closest.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TypeAlias
+from typing import NamedTuple, TypeAlias
 
 import attrs
 import numpy as np
@@ -21,6 +21,7 @@ from multirep.sampled import interpolate
 from multirep.strokes.arc_length import arc_lengths, norms
 from multirep.strokes.cleaning import Stroke
 from multirep.strokes.places import STATIONS, nearest_lengths, runs_backwards
+from multirep.strokes.sliding import slid
 
 Mask: TypeAlias = npt.NDArray[np.bool_]
 
@@ -32,8 +33,9 @@ SAME_END = 0.08
 #: Where a stroke begins or ends beside another it is faded in over this many times their distance
 #: there, at most this part of what they share: a slope of one in ten is not seen as a step.
 FADE, LONGEST_FADE = 10.0, 1 / 3
-#: Corners correspond when arc length puts them closer than this part of what the strokes share.
-SAME_CORNER = 0.1
+#: Corners correspond when arc length puts them closer than this part of what the strokes share, and
+#: they are no farther apart than so many times the strokes themselves.
+SAME_CORNER, CORNERS_APART = 0.1, 4.0
 #: Stations closer than this part of the mean's length are one.
 SAME_STATION = 1e-12
 
@@ -53,12 +55,16 @@ class _Mean:
 
 @attrs.frozen
 class _Shared:
-    """What two strokes share: [start, stop] on the mean, [first, last] on the new stroke."""
+    """What two strokes share: [start, stop] on the mean, [first, last] on the new stroke.
+
+    ``distance`` is how far apart they are there, on the median.
+    """
 
     start: float
     stop: float
     first: float
     last: float
+    distance: float
 
 
 def average_strokes(strokes: Sequence[Stroke]) -> Stroke:
@@ -124,7 +130,12 @@ def _joined(mean: _Mean, stroke: Stroke, number: int) -> _Mean:
         stroke = stroke.reversed()
     s = arc_lengths(stroke.points)
     shared = _shared(mean.points, u, stroke.points, s, number)
-    at, there = _anchors(u[mean.corner], s[stroke.corners], shared)
+    at, there = _anchors(
+        _Corners(u[mean.corner], mean.points[mean.corner]),
+        _Corners(s[stroke.corners], stroke.points[stroke.corners]),
+        shared,
+    )
+    at, there = slid(mean.points, u, stroke.points, s, at, there)
     # stations: all vertices of both, as lengths along the mean
     ours_inside = u[(u > shared.start) & (u < shared.stop)]
     theirs_inside = np.interp(s[(s > shared.first) & (s < shared.last)], there, at)
@@ -165,16 +176,16 @@ def _shared(points: Array, u: Array, other: Array, s: Array, number: int) -> _Sh
     close = SAME_END * min(u[-1], s[-1])
     meets = norms(other[[0, -1]] - points[[0, -1]]) <= close
     if 0.5 < u[-1] / s[-1] < 2 and meets.all():
-        shared = _Shared(0.0, float(u[-1]), 0.0, float(s[-1]))
+        shared = _Shared(0.0, float(u[-1]), 0.0, float(s[-1]), distance)
     else:
         ends, _ = nearest_lengths(points, u, other[[0, -1]])
         beyond, _ = nearest_lengths(other, s, points[[0, -1]])
         start, first = _end(ends[0], beyond[0], 0.0, 0.0, bool(meets[0]), close)
         stop, last = _end(ends[1], beyond[1], float(u[-1]), float(s[-1]), bool(meets[1]), close)
-        shared = _Shared(start, stop, first, last)
         within = (asked >= first) & (asked <= last)
         if within.any():  # what goes beyond an end may be anywhere
             distance = float(np.median(far[within]))
+        shared = _Shared(start, stop, first, last, distance)
     if not (shared.start < shared.stop and shared.first < shared.last) or distance > allowed:
         raise EditError(
             f"stroke {number} is not drawn over the ones before: it keeps {distance:.3g} from "
@@ -199,25 +210,33 @@ def _end(
     return place, other_end
 
 
-def _anchors(ours: Array, theirs: Array, shared: _Shared) -> tuple[Array, Array]:
-    """Corresponding lengths on the mean and on the stroke: ends, and corners that both have.
+class _Corners(NamedTuple):
+    """Corners of a stroke: lengths along it (k,), and places (k, d)."""
 
-    ``ours`` and ``theirs`` are the lengths at which they turn.
-    """
-    ours = ours[(ours > shared.start) & (ours < shared.stop)]
-    theirs = theirs[(theirs > shared.first) & (theirs < shared.last)]
+    lengths: Array
+    points: Array
+
+    def between(self, start: float, stop: float) -> _Corners:
+        inside = (self.lengths > start) & (self.lengths < stop)
+        return _Corners(self.lengths[inside], self.points[inside])
+
+
+def _anchors(ours: _Corners, theirs: _Corners, shared: _Shared) -> tuple[Array, Array]:
+    """Corresponding lengths on the mean and on the stroke: ends, and corners that both have."""
+    ours = ours.between(shared.start, shared.stop)
+    theirs = theirs.between(shared.first, shared.last)
     span, length = shared.stop - shared.start, shared.last - shared.first
-    if ours.size and theirs.size:
-        expected = shared.start + (theirs - shared.first) * (span / length)
-        nearest, back = _nearest(expected, ours), _nearest(ours, expected)
-        rows = np.arange(len(theirs))
-        common = back[nearest] == rows
-        common &= np.abs(expected - ours[nearest]) <= SAME_CORNER * span
-        ours, theirs = ours[nearest[common]], theirs[common]
-    else:
-        ours = theirs = np.empty(0)
-    at = np.concatenate([[shared.start], ours, [shared.stop]])
-    there = np.concatenate([[shared.first], theirs, [shared.last]])
+    at = there = np.empty(0)
+    if len(ours.lengths) and len(theirs.lengths):
+        expected = shared.start + (theirs.lengths - shared.first) * (span / length)
+        nearest, back = _nearest(expected, ours.lengths), _nearest(ours.lengths, expected)
+        common = back[nearest] == np.arange(len(expected))
+        common &= np.abs(expected - ours.lengths[nearest]) <= SAME_CORNER * span
+        apart = norms(theirs.points - ours.points[nearest])
+        common &= apart <= CORNERS_APART * shared.distance + SAME_STATION * span
+        at, there = ours.lengths[nearest[common]], theirs.lengths[common]
+    at = np.concatenate([[shared.start], at, [shared.stop]])
+    there = np.concatenate([[shared.first], there, [shared.last]])
     return at, there
 
 

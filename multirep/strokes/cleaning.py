@@ -109,8 +109,11 @@ def clean_stroke(
     noise = estimate_noise(rows) if noise is None else float(noise)
     origin, scale = rows[0], float(np.abs(rows - rows[0]).max())
     gathered = gather((rows - origin) / scale, noise / scale)
-    if len(gathered.points) < 2 or not (gathered.points[1:] != gathered.points[:-1]).any():
-        raise EditError(f"{what} spans {scale:.3g}: all of it is noise of {noise:.3g}")
+    if gathered.is_noise(noise / scale):
+        raise EditError(
+            f"{what} spans {scale:.3g}: all of it is noise of {noise:.3g}; draw something larger, "
+            "or give a smaller noise"
+        )
     corners = find_corners(
         gathered.points,
         angle=math.radians(corner_angle),
@@ -125,8 +128,6 @@ def clean_stroke(
         corners = np.unique(np.cumsum(keep)[corners] - 1)
         rows = rows[keep]
         corners = corners[(corners > 0) & (corners < len(rows) - 1)]
-    if len(rows) < 2:
-        raise EditError(f"{what} spans {scale:.3g}: all of it is noise of {noise:.3g}")
     rows.setflags(write=False)
     return Stroke(rows, corners, noise, merged)
 

@@ -19,6 +19,8 @@ AROUND = 4
 JUMP = 16.0
 #: A round halves a run of indistinct samples: 2^40 samples are more than anybody has.
 ROUNDS = 40
+#: Fewer places are not joined further.
+FEWEST = 4
 
 
 @attrs.frozen(eq=False)
@@ -27,6 +29,12 @@ class Gathered:
 
     points: Array
     counts: Array
+
+    def is_noise(self, noise: float) -> bool:
+        """Whether nothing but scatter is left: a few places, none a jump from the next."""
+        if len(self.points) >= FEWEST or noise <= 0:
+            return False
+        return bool((_ratios(self.points, self.counts, noise) <= JUMP).all())
 
 
 def gather(points: Array, noise: float) -> Gathered:
@@ -59,11 +67,9 @@ def gather(points: Array, noise: float) -> Gathered:
     if noise <= 0:
         return Gathered(rows, counts)
     for _ in range(ROUNDS):
-        if len(rows) < 4:
+        if len(rows) < FEWEST:
             break
-        chords = norms(rows[1:] - rows[:-1]) / noise
-        expected = points.shape[1] * (1 / counts[1:] + 1 / counts[:-1])
-        ratio = chords * chords / expected
+        ratio = _ratios(rows, counts, noise)
         near = ratio <= JUMP
         close = near & (_around(ratio * near) <= INDISTINCT * _around(near))
         first = np.flatnonzero(close[::2]) * 2
@@ -78,6 +84,14 @@ def gather(points: Array, noise: float) -> Gathered:
         stays[first + 1] = False
         rows, counts = rows[stays], counts[stays]
     return Gathered(rows, counts)
+
+
+def _ratios(points: Array, counts: Array, noise: float) -> Array:
+    """Squared distances of neighbours, in terms of what scatter alone makes them, (m - 1,)."""
+    chords = norms(points[1:] - points[:-1]) / noise
+    expected = points.shape[1] * (1 / counts[1:] + 1 / counts[:-1])
+    ratios: Array = chords * chords / expected
+    return ratios
 
 
 def _around(values: Array) -> Array:
