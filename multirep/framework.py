@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from time import perf_counter
 from typing import Any
 
 import attrs
@@ -20,50 +19,16 @@ from multirep.errors import (
     PluginError,
     UnknownNameError,
 )
-from multirep.events import Event, Fitted, Sampled
 from multirep.multirepresentation import MultiRepresentation
+from multirep.outcome import Outcome, measured_work
 from multirep.reparameterization import ParameterMap
 from multirep.representation import Representation
 from multirep.scene import Scene
-from multirep.settling import Settled, Settlement, clear_of_ice, guarded, misses, region_of, settle
+from multirep.settling import Settlement, clear_of_ice, guarded, misses, region_of, settle
 from multirep.splices import SpliceList
 from multirep.state import State
 from multirep.synchronization import check_edit
 from multirep.tool import Tool
-
-
-@attrs.frozen
-class Work:
-    """What an application cost: samplings, samples taken, fits, seconds."""
-
-    sampled: int
-    samples: int
-    fitted: int
-    seconds: float
-
-
-@attrs.frozen
-class Outcome:
-    """What an application of a tool did.
-
-    Parameters
-    ----------
-    changed : SpliceList
-        Where the curve changed, by the tool and by the constraints that answered.
-    work : Work
-    constraints : tuple of Settled
-        The touched constraints with their residuals, in the units of the points.
-    rounds : int
-        Rounds of re-establishing.
-    faded : SpliceList
-        Frozen stretches before which the edit was faded out; see :mod:`multirep.blending`.
-    """
-
-    changed: SpliceList
-    work: Work
-    constraints: tuple[Settled, ...] = ()
-    rounds: int = 0
-    faded: SpliceList = SpliceList.EMPTY
 
 
 @attrs.frozen(eq=False)
@@ -143,7 +108,7 @@ class Framework:
         def add() -> Settlement:
             return self._add(curve, name, constraint)
 
-        with _measured(target) as measured, self._way_out(curve, add):
+        with measured_work(target) as measured, self._way_out(curve, add):
             settlement = add()
         changed = settlement.changed if settlement.rounds else SpliceList.EMPTY
         return name, Outcome(changed, measured.work, settlement.constraints, settlement.rounds)
@@ -181,12 +146,10 @@ class Framework:
             When a frozen stretch does not meet it, or the constraints cannot be re-established.
         """
         target = self.curve(curve)
-        with self._everything_or_nothing(curve), _measured(target) as measured:
+        with self._everything_or_nothing(curve), measured_work(target) as measured:
             target.tolerance = tolerance
             everywhere = SpliceList([target.domain])
-            settlement = settle(
-                target, self._constraints[curve], everywhere, self._scene(target)
-            )
+            settlement = settle(target, self._constraints[curve], everywhere, self._scene(target))
         changed = settlement.changed if settlement.rounds else SpliceList.EMPTY
         return Outcome(changed, measured.work, settlement.constraints, settlement.rounds)
 
@@ -210,7 +173,7 @@ class Framework:
                 "constrain it anew afterwards",
                 constraints=held,
             )
-        with self._everything_or_nothing(curve), _measured(target) as measured:
+        with self._everything_or_nothing(curve), measured_work(target) as measured:
             changed = target.reparameterize(mapping)
         return Outcome(changed, measured.work)
 
@@ -238,7 +201,7 @@ class Framework:
         def run() -> tuple[Settlement, SpliceList]:
             return self._run(curve, tool)
 
-        with _measured(target) as measured, self._way_out(curve, run):
+        with measured_work(target) as measured, self._way_out(curve, run):
             settlement, faded = run()
         return Outcome(
             settlement.changed, measured.work, settlement.constraints, settlement.rounds, faded
@@ -266,9 +229,7 @@ class Framework:
         """Add, replace and release the constraints that a tool asks for."""
         target, constraints = self._curves[curve], self._constraints[curve]
         value = target.view(tool.edits)
-        for name, constraint in _of_tool(
-            tool, tool.constrains, value, dict(constraints)
-        ).items():
+        for name, constraint in _of_tool(tool, tool.constrains, value, dict(constraints)).items():
             if name in constraints:
                 self.release(curve, name)
             if constraint is not None:
@@ -370,27 +331,6 @@ def _of_tool(tool: Tool[Any], method: Callable[..., Any], *arguments: Any) -> An
         raise PluginError(
             f"tool {tool.name!r} failed with {type(error).__name__}: {error}", tool.name
         ) from error
-
-
-class _Measured:
-    work: Work
-
-
-@contextmanager
-def _measured(curve: MultiRepresentation) -> Iterator[_Measured]:
-    """Count what the block makes a curve do."""
-    measured = _Measured()
-    begin = perf_counter()
-    with curve.listening() as events:
-        yield measured
-    measured.work = work_of(events, perf_counter() - begin)
-
-
-def work_of(events: list[Event], seconds: float) -> Work:
-    """Sum up events."""
-    sampled = [event for event in events if isinstance(event, Sampled)]
-    fitted = [event for event in events if isinstance(event, Fitted)]
-    return Work(len(sampled), sum(event.samples for event in sampled), len(fitted), seconds)
 
 
 def _fresh(kind: str, taken: Mapping[str, object]) -> str:

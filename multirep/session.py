@@ -8,8 +8,9 @@ from typing import Any
 
 from multirep.constraint import Constraint
 from multirep.errors import HistoryError
-from multirep.framework import CurveState, Framework, Outcome
+from multirep.framework import CurveState, Framework
 from multirep.multirepresentation import MultiRepresentation
+from multirep.outcome import Outcome
 from multirep.reparameterization import ParameterMap
 from multirep.tool import Tool
 
@@ -83,7 +84,7 @@ class Session:
     def set_tolerance(self, curve: str, tolerance: float) -> None:
         """Change the tolerance of a curve as one undo step."""
         with self._step():
-            self.framework.curve(curve).tolerance = tolerance
+            self.framework.set_tolerance(curve, tolerance)
 
     def reparameterize(self, curve: str, mapping: ParameterMap = "even") -> Outcome:
         """Map the parameters of a curve as one undo step; by default to even speed.

@@ -41,7 +41,7 @@ def held(curve: P, interval: Interval, keep: SpliceList) -> tuple[Edit[P], Inter
 
 
 def released(curve: P, t: float) -> Edit[P]:
-    """Delete the vertex at ``t`` if it lies on the line between its neighbours, at its parameter."""
+    """Delete the vertex at ``t`` if the line between its neighbours passes it at ``t``."""
     k = curve.t.searchsorted(t)
     if not 0 < k < curve.size - 1 or float(curve.t[k]) != t:
         return Edit(curve, SpliceList.EMPTY)
