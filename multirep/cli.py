@@ -177,6 +177,8 @@ def plugins() -> None:
 
 def _run(path: Path, tolerance: float | None) -> Result:
     """Read and run a script, with progress on a terminal."""
+    import numpy as np
+
     from multirep.registry import Registry
     from multirep.script.reading import read_script
     from multirep.script.running import run as run_script
@@ -185,7 +187,9 @@ def _run(path: Path, tolerance: float | None) -> Result:
     script = read_script(path, registry, tolerance=tolerance)
     progress, done = _progress()
     try:
-        return run_script(script, registry, progress)
+        # Numbers that overflow are found by the checks, which say more than numpy's warnings.
+        with np.errstate(all="ignore"):
+            return run_script(script, registry, progress)
     finally:
         done()
 
