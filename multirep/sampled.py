@@ -91,7 +91,8 @@ def interpolate(t: Array, points: Array, at: Array) -> Array:
     The result has the shape ``at.shape + (d,)``.
     At a vertex the vertex itself comes out, bit by bit.
     """
-    k = np.clip(t.searchsorted(at, side="right") - 1, 0, len(t) - 2)
+    # not np.clip, which spends 8 us on finding out its types
+    k = np.minimum(np.maximum(t.searchsorted(at, side="right") - 1, 0), len(t) - 2)
     start = t[k]
     u = ((at - start) / (t[k + 1] - start))[..., None]
     values: Array = np.where(u == 1.0, points[k + 1], points[k] + u * (points[k + 1] - points[k]))
