@@ -14,10 +14,13 @@ Mask: TypeAlias = npt.NDArray[np.bool_]
 #: Rounds of merging. Each halves the number of vertices on a straight stretch, so that 64 are never
 #: needed; the limit keeps the cost linear whatever the input is.
 ROUNDS = 64
+#: Samples that are tested in full at once; more are sifted first. Larger does more work a round on
+#: long input, smaller has more overhead on short splices.
+FEW = 256
 
 
 def simplify(t: Array, values: Array, targets: Array, allowed: Array, keep: Mask) -> Indices:
-    """Choose the vertices of a polyline that follows samples with as few of them as it can find.
+    """Choose as few vertices as it can find for a polyline that follows samples.
 
     The polyline through the chosen ``values`` differs from the polyline through all ``targets`` by
     a piecewise linear function with corners at ``t`` only. Its norm is convex on each chord, so
@@ -55,58 +58,54 @@ def simplify(t: Array, values: Array, targets: Array, allowed: Array, keep: Mask
     kept: Indices = np.arange(len(t))
     free = ~keep
     free[0] = free[-1] = False
-    untested = free.copy()  # per chosen sample: whether its removal has not been refused yet
+    # one table, so that a test gathers three times and not eight
+    table = np.concatenate([t[:, None], values, targets], axis=1)
+    squares = np.where(allowed > 0, allowed * allowed, -1.0)
+    position = np.flatnonzero(free)  # of the samples whose removal has not been refused yet
     for _ in range(ROUNDS):
-        position = np.flatnonzero(untested)
-        if not position.size:
-            break
         left, right = kept[position - 1], kept[position + 1]
-        fits = _fits(t, values, targets, allowed, kept[position], left, right)
-        position, left, right = position[fits], left[fits], right[fits]
-        many = right - left > 2
-        if many.any():  # chords over more than one sample: look at every one of them
-            fits = ~many
-            fits[many] = _all_fit(t, values, targets, allowed, left[many], right[many])
-            position = position[fits]
+        if len(position) > FEW:  # most are refused by a look at themselves
+            fits = _fits(table, squares, kept[position], left, right)
+            position, left, right = position[fits], left[fits], right[fits]
+        if position.size:
+            position = position[_all_fit(table, squares, left, right)]
         if not position.size:
             break
         chosen = position[every_other(position)]
-        untested[:] = False
-        untested[chosen - 1] = untested[chosen + 1] = True
         remaining = np.ones(len(kept), dtype=bool)
         remaining[chosen] = False
-        kept, untested = kept[remaining], untested[remaining]
-        untested &= free[kept]
+        kept = kept[remaining]
+        # new neighbours of what was removed may go next; chosen[i] has i removed ones before it
+        after = chosen - np.arange(len(chosen))
+        untested = np.zeros(len(kept), dtype=bool)
+        untested[after - 1] = untested[after] = True
+        position = np.flatnonzero(untested & free[kept])
     return kept
 
 
-def _fits(
-    t: Array,
-    values: Array,
-    targets: Array,
-    allowed: Array,
-    at: Indices,
-    left: Indices,
-    right: Indices,
-) -> Mask:
+def _fits(table: Array, squares: Array, at: Indices, left: Indices, right: Indices) -> Mask:
     """Whether the chord left-right is within the allowance of the sample ``at``; all (k,)."""
-    u = ((t[at] - t[left]) / (t[right] - t[left]))[:, None]
-    start = values[left]
-    off = start + u * (values[right] - start) - targets[at]
-    result: Mask = np.sqrt(np.einsum("ij,ij->i", off, off)) <= allowed[at]
+    d = table.shape[1] // 2
+    here, start, stop = table.take(at, 0), table.take(left, 0), table.take(right, 0)
+    u = (here[:, 0] - start[:, 0]) / (stop[:, 0] - start[:, 0])
+    first = start[:, 1 : d + 1]
+    off = first + u[:, None] * (stop[:, 1 : d + 1] - first) - here[:, d + 1 :]
+    result: Mask = np.einsum("ij,ij->i", off, off) <= squares.take(at)
     return result
 
 
-def _all_fit(
-    t: Array, values: Array, targets: Array, allowed: Array, left: Indices, right: Indices
-) -> Mask:
+def _all_fit(table: Array, squares: Array, left: Indices, right: Indices) -> Mask:
     """Whether each chord is within the allowance of every sample between its ends, (k,)."""
     counts = right - left - 1
     ends = counts.cumsum()
-    chord = np.repeat(np.arange(len(left)), counts)
-    at = np.arange(ends[-1]) - (ends - counts)[chord] + left[chord] + 1
-    fits = _fits(t, values, targets, allowed, at, left[chord], right[chord])
-    result: Mask = np.logical_and.reduceat(fits, ends - counts)
+    starts = ends - counts
+    total = int(ends[-1])
+    if total == len(left):
+        return _fits(table, squares, left + 1, left, right)
+    chord = np.arange(len(left)).repeat(counts)
+    at = np.arange(total) + (left + 1 - starts)[chord]
+    fits = _fits(table, squares, at, left[chord], right[chord])
+    result: Mask = np.logical_and.reduceat(fits, starts)
     return result
 
 
@@ -115,6 +114,6 @@ def every_other(position: Indices) -> Mask:
     order = np.arange(len(position))
     begins = np.ones(len(position), dtype=bool)
     begins[1:] = position[1:] - position[:-1] > 1
-    first = np.maximum.accumulate(np.where(begins, order, 0))
+    first = np.maximum.accumulate(order * begins)
     result: Mask = (order - first) % 2 == 0
     return result
