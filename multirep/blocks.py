@@ -184,9 +184,10 @@ class BlockArray(NDArrayOperatorsMixin):
                 high = middle
         if low == len(blocks):
             return len(self)
-        before = self._ends[low] - blocks[low].shape[0]
-        inside = np.searchsorted(blocks[low], value, side="right" if side == "right" else "left")
-        return before + int(inside)
+        before = self._ends[low] - len(blocks[low])
+        # the method: np.searchsorted takes five times as long to reach it
+        inside = int(blocks[low].searchsorted(value, side="right" if side == "right" else "left"))
+        return before + inside
 
     # -- making new versions -----------------------------------------------------------------------
 
