@@ -25,22 +25,20 @@ def _name(instance: object, attribute: attrs.Attribute[str], value: str) -> None
 
 @frozen
 class PointsSource:
-    """Vertices and their parameters (None: chord length in [0, 1]); ``notes`` are for people."""
+    """Vertices and their parameters (None: chord length in [0, 1])."""
 
     points: Points
     t: tuple[float, ...] | None = None
-    notes: tuple[str, ...] = ()
 
 
 @frozen
 class NurbsSource:
-    """A NURBS curve in numbers; ``notes`` are for people."""
+    """A NURBS curve in numbers."""
 
-    degree: int
+    degree: int = field(validator=validators.ge(1))
     knots: tuple[float, ...]
     points: Points
     weights: tuple[float, ...] | None = None
-    notes: tuple[str, ...] = ()
 
 
 Source = PointsSource | NurbsSource
@@ -60,6 +58,8 @@ class CurveSpec:
         Where the geometry comes from.
     representations : tuple of str or None
         Which representations are kept; None means all that are registered.
+    notes : tuple of str
+        What reading the source did, for people.
     line : int or None
         Where the script has it, as far as known.
     """
@@ -68,6 +68,7 @@ class CurveSpec:
     tolerance: float = field(validator=validators.gt(0))
     source: Source
     representations: tuple[str, ...] | None = None
+    notes: tuple[str, ...] = ()
     line: int | None = None
 
 

@@ -163,7 +163,7 @@ class _Reader:
         known = list(self.registry.representations)
         if kinds is not None:
             _check_names(kinds, "representation", known, "representations")
-        source, author = read_source(table, self.path.parent)
+        source, author, notes = read_source(table, self.path.parent)
         if kinds is not None and author not in kinds:
             raise Mismatch(
                 f"must contain {author!r}, which the curve is read as; got {quote(list(kinds))}",
@@ -177,7 +177,7 @@ class _Reader:
             epsilon = tolerance
         name = _structure_key(plain, "name", str)
         try:
-            return CurveSpec(name, epsilon, source, kinds)
+            return CurveSpec(name, epsilon, source, kinds, notes)
         except ValueError as error:
             key, _, problem = str(error).removeprefix("'").partition("' ")
             raise Mismatch(problem, key) from None

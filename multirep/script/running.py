@@ -123,7 +123,7 @@ def run(script: Script, registry: Registry, progress: Progress | None = None) ->
         session.add(spec.name, curve)
         before[spec.name] = curve.view(curve.authors[0][1])
         merged = (f"{curve.merged} repeated points merged",) if curve.merged else ()
-        notes[spec.name] = spec.source.notes + merged
+        notes[spec.name] = spec.notes + merged
     history = _History(session)
     results = []
     for step in script.steps:

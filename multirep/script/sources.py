@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 from attrs import field, frozen, validators
 
@@ -13,30 +13,14 @@ from multirep.script.files import read_json
 from multirep.script.model import NurbsSource, Points, PointsSource, Source
 from multirep.script.strict import Mismatch, quote, structure
 
+T = TypeVar("T")
+
 #: The keys of a curve table that say where its geometry comes from.
 SOURCE_KEYS = ("points", "t", "nurbs", "svg", "element", "id", "fill")
 #: Exactly one of these is given.
 ORIGINS = ("points", "nurbs", "svg")
 #: Keys that a data file may carry for people: where the data come from and how they may be used.
 REMARKS = ("name", "title", "source", "licence", "license", "note")
-
-
-@frozen
-class _PointsTable:
-    """Points as a JSON object, or as keys of the script."""
-
-    points: Points
-    t: tuple[float, ...] | None = None
-
-
-@frozen
-class _NurbsTable:
-    """A NURBS as a JSON object or an inline table."""
-
-    degree: int = field(validator=validators.ge(1))
-    knots: tuple[float, ...]
-    points: Points
-    weights: tuple[float, ...] | None = None
 
 
 @frozen
@@ -49,7 +33,7 @@ class _SvgTable:
     fill: str | None = None
 
 
-def read_source(table: Mapping[str, Any], folder: Path) -> tuple[Source, str]:
+def read_source(table: Mapping[str, Any], folder: Path) -> tuple[Source, str, tuple[str, ...]]:
     """Read where a curve comes from.
 
     Parameters
@@ -64,6 +48,8 @@ def read_source(table: Mapping[str, Any], folder: Path) -> tuple[Source, str]:
     source : PointsSource or NurbsSource
     author : str
         The representation that it is: "polyline" or "nurbs".
+    notes : tuple of str
+        What reading it did, for people.
 
     Raises
     ------
@@ -86,60 +72,58 @@ def read_source(table: Mapping[str, Any], folder: Path) -> tuple[Source, str]:
         if key in table and key not in allowed[origin]:
             raise Mismatch(f"does not go with {origin!r}", key)
     part = {key: table[key] for key in allowed[origin] if key in table}
-    if origin == "svg":
-        return _read_svg(structure(part, _SvgTable), folder), "nurbs"
     if origin == "points":
-        return _read_points(part, folder), "polyline"
-    value = part["nurbs"]
-    if isinstance(value, str):
-        return _nurbs(_table_of(folder / structure(value, str), "nurbs", "points"), value), "nurbs"
-    try:
-        return _nurbs(value, ""), "nurbs"
-    except Mismatch as error:
-        raise Mismatch(error.problem, f"nurbs.{error.key}" if error.key else "nurbs") from None
+        return _read_points(part, folder), "polyline", ()
+    if origin == "nurbs":
+        return _read_nurbs(part["nurbs"], folder), "nurbs", ()
+    source, notes = _read_svg(structure(part, _SvgTable), folder)
+    return source, "nurbs", notes
 
 
 def _read_points(part: Mapping[str, Any], folder: Path) -> PointsSource:
     value = part["points"]
     if not isinstance(value, str):
-        table = structure(dict(part), _PointsTable)
-        return PointsSource(table.points, table.t)
+        return structure(dict(part), PointsSource)
     path = folder / structure(value, str)
     data = _table_of(path, "points")
     if "t" in part:
         if "t" in data:
             raise Mismatch(f"given twice, here and in {value!r}", "t")
         data["t"] = part["t"]
+    return _structure_file(data, PointsSource, path)
+
+
+def _read_nurbs(value: object, folder: Path) -> NurbsSource:
+    if isinstance(value, str):
+        path = folder / structure(value, str)
+        return _structure_file(_table_of(path, "nurbs", bare_list=False), NurbsSource, path)
     try:
-        table = structure(data, _PointsTable)
+        return structure(value, NurbsSource)
+    except Mismatch as error:
+        raise Mismatch(error.problem, f"nurbs.{error.key}" if error.key else "nurbs") from None
+
+
+def _structure_file(data: dict[str, Any], cls: type[T], path: Path) -> T:
+    """Make ``cls`` of the data of a file; what does not fit is the file's fault."""
+    try:
+        return structure(data, cls)
     except Mismatch as error:
         raise ScriptError(error.problem, file=str(path), key=error.key or None) from None
-    return PointsSource(table.points, table.t)
 
 
-def _nurbs(value: object, file: str) -> NurbsSource:
-    try:
-        table = structure(value, _NurbsTable)
-    except Mismatch as error:
-        if file:
-            raise ScriptError(error.problem, file=file, key=error.key or None) from None
-        raise
-    return NurbsSource(table.degree, table.knots, table.points, table.weights)
-
-
-def _table_of(path: Path, key: str, list_key: str = "") -> dict[str, Any]:
+def _table_of(path: Path, key: str, *, bare_list: bool = True) -> dict[str, Any]:
     """Read a JSON file that holds an object (without its remarks), or a bare list of points."""
     if not path.is_file():
         raise Mismatch(f"no such file: {str(path)!r}", key)
     data = read_json(path)
-    if isinstance(data, list) and not list_key:
+    if isinstance(data, list) and bare_list:
         return {"points": data}
     if not isinstance(data, dict):
         raise ScriptError(f"expected an object, got {quote(data)}", file=str(path))
     return {key: value for key, value in data.items() if key not in REMARKS}
 
 
-def _read_svg(table: _SvgTable, folder: Path) -> NurbsSource:
+def _read_svg(table: _SvgTable, folder: Path) -> tuple[NurbsSource, tuple[str, ...]]:
     from multirep.script.outlines import join
     from multirep.script.svg_paths import parse_color, read_drawing
 
@@ -187,10 +171,10 @@ def _read_svg(table: _SvgTable, folder: Path) -> NurbsSource:
         notes.append("closed, opened at its start")
     if outline.dropped:
         notes.append(f"{outline.dropped} segments without length dropped")
-    return NurbsSource(
+    source = NurbsSource(
         outline.degree,
         tuple(outline.knots.tolist()),
         Points(tuple(map(tuple, outline.points.tolist()))),
         None if outline.weights is None else tuple(outline.weights.tolist()),
-        tuple(notes),
     )
+    return source, tuple(notes)
