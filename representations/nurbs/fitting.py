@@ -6,11 +6,11 @@ import attrs
 import numpy as np
 
 from multirep.arrays import Array
-from multirep.errors import InvalidCurveError, ToleranceError
+from multirep.errors import InvalidCurveError
 from multirep.representations.nurbs.equalizing import equalized
 from multirep.representations.nurbs.problem import Breakpoints, Course, Problem, Trial
 from multirep.representations.nurbs.refinement import merged_breakpoints, refined
-from multirep.representations.nurbs.search import CORNER_HEIGHT, evened, passed, proved
+from multirep.representations.nurbs.search import CORNER_HEIGHT, check_tolerance, evened, passed, proved
 from multirep.representations.nurbs.simplification import simplified
 from multirep.representations.nurbs.validation import LARGEST_DEGREE
 from multirep.sampled import SampledSplice
@@ -71,7 +71,7 @@ def fitted_arrays(sampled: SampledSplice, tolerance: float, degree: int) -> tupl
         raise InvalidCurveError(f"the degree must be between 1 and {LARGEST_DEGREE}, got {degree}")
     p = int(degree)
     course = Course.from_sampled(sampled, tolerance)
-    check_tolerance(course, p, tolerance)
+    check_tolerance(course, p, tolerance, float(np.abs(course.points).max()))
     course = _simpler(course)
     problem = Problem(p, course, OpenEnds(p, course.points[0], course.points[-1]))
     trial = passed(problem, _beginning(problem), tolerance)
@@ -79,24 +79,6 @@ def fitted_arrays(sampled: SampledSplice, tolerance: float, degree: int) -> tupl
         trial = _fewest(problem, trial)
     trial, _ = proved(problem, trial, tolerance)
     return trial.knots, trial.points
-
-
-def check_tolerance(course: Course, degree: int, tolerance: float) -> None:
-    """Refuse a tolerance that the rounding term of the proof alone exceeds.
-
-    Raises
-    ------
-    ToleranceError
-    """
-    largest = float(np.abs(course.points).max())
-    unit = (8 * degree + 16) * np.finfo(np.float64).eps * np.sqrt(course.points.shape[1]) * largest
-    if not course.tightest > 2 * unit:
-        raise ToleranceError(
-            f"a tolerance of {tolerance:.3g} is below what rounding allows for coordinates up to "
-            f"{largest:.3g}; the smallest is about {4 * unit:.3g}",
-            tolerance=tolerance,
-            reachable=4 * float(unit),
-        )
 
 
 def _simpler(course: Course) -> Course:

@@ -7,7 +7,7 @@ import numpy as np
 from multirep.arrays import Array, Indices
 from multirep.errors import ToleranceError
 from multirep.representations.nurbs.equalizing import TARGET, equalized
-from multirep.representations.nurbs.problem import Breakpoints, Problem, Trial
+from multirep.representations.nurbs.problem import Breakpoints, Course, Problem, Trial
 from multirep.representations.nurbs.refinement import merged_breakpoints, refined
 
 #: A vertex that stands out by so many allowances becomes a corner at once: smooth knots around it
@@ -15,6 +15,9 @@ from multirep.representations.nurbs.refinement import merged_breakpoints, refine
 CORNER_HEIGHT = 10.0
 #: Rounds of cutting before the last resort, corners at all vertices of what still fails.
 ROUNDS = 20
+#: The last resort begins earlier when there are so many spans for each vertex and degree: cutting
+#: does not help then.
+MOST_SPANS = 4
 LAST_ROUNDS = 4
 #: Residuals that exceed their allowance by no more than this may be evened out instead.
 EVENING_RATIO = 1.5
@@ -23,6 +26,23 @@ EVENING_FLOOR = 0.1
 #: Fewer spans must be this part of the present ones before a spliced window is laid out anew:
 #: nearer to 1, a drag would move knots about at every step.
 WORTHWHILE = 0.75
+
+
+def check_tolerance(course: Course, degree: int, tolerance: float, largest: float) -> None:
+    """Refuse a tolerance that the rounding term of the proof alone exceeds.
+
+    Raises
+    ------
+    ToleranceError
+    """
+    unit = (8 * degree + 16) * np.finfo(np.float64).eps * np.sqrt(course.points.shape[1]) * largest
+    if not course.tightest > 2 * unit:
+        raise ToleranceError(
+            f"a tolerance of {tolerance:.3g} is below what rounding allows for coordinates up to "
+            f"{largest:.3g}; the smallest is about {4 * unit:.3g}",
+            tolerance=tolerance,
+            reachable=4 * float(unit),
+        )
 
 
 def searched(
@@ -60,8 +80,9 @@ def searched(
 
 def passed(problem: Problem, begin: Breakpoints, tolerance: float) -> Trial:
     """Cut spans until no residual exceeds its allowance."""
-    breakpoints = begin
-    for attempt in range(ROUNDS + LAST_ROUNDS):
+    breakpoints, attempt = begin, 0
+    most = MOST_SPANS * problem.degree * len(problem.course.t) + len(begin.at)
+    while attempt < ROUNDS + LAST_ROUNDS:
         trial = _tried(problem, breakpoints, tolerance)
         failing = np.flatnonzero(trial.worst > 1.0)
         if not len(failing):
@@ -69,7 +90,10 @@ def passed(problem: Problem, begin: Breakpoints, tolerance: float) -> Trial:
         better = evened(problem, trial)
         if better is not None:
             return better
+        if len(breakpoints.at) > most:
+            attempt = max(attempt, ROUNDS)
         breakpoints = _cut(problem, trial, failing, attempt)
+        attempt += 1
     raise _out_of_reach(problem, trial, float(trial.worst.max()), tolerance)
 
 

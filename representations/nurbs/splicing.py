@@ -25,7 +25,7 @@ from multirep.representations.nurbs.problem import (
     Trial,
 )
 from multirep.representations.nurbs.refinement import merged_breakpoints
-from multirep.representations.nurbs.search import CORNER_HEIGHT, searched
+from multirep.representations.nurbs.search import CORNER_HEIGHT, check_tolerance, searched
 from multirep.sampled import SampledSplice
 from multirep.splices import SpliceList
 
@@ -47,6 +47,8 @@ def spliced(curve: N, sampled: SampledSplice, tolerance: float) -> Edit[N]:
     if start < domain.start or stop > domain.stop:
         raise ParameterError(f"the splice {sampled.interval} leaves the domain {domain}")
     course = Course.from_sampled(sampled, tolerance)
+    largest = max(float(course.points.max()), -float(course.points.min()))
+    check_tolerance(course, curve.degree, tolerance, largest)
     _check_gaps(curve, course, tolerance)
     window = Window.of(curve, start, stop, course.points)
     problem = Problem(curve.degree, course, window)
