@@ -1,4 +1,4 @@
-"""Parameters that are too close to each other for anything to fit between them."""
+"""How far parameters are from each other, and which are too close for anything between them."""
 
 from __future__ import annotations
 
@@ -44,3 +44,26 @@ def told_apart(t: Array) -> Indices:
     kept = kept[np.concatenate([[True], t[kept[1:]] - t[kept[:-1]] >= least])]
     kept = kept[t[kept] <= t[-1] - least]
     return np.concatenate([[0], kept[kept > 0], [len(t) - 1]])
+
+
+def clearance(values: Array, others: Array) -> Array:
+    """Return how far each value is from the nearest of ``others``, (m,).
+
+    Parameters
+    ----------
+    values : (m,) array
+    others : (n,) array
+        Increasing; when there are none the distance is infinite.
+
+    Examples
+    --------
+    >>> clearance(np.array([0.0, 2.5, 9.0]), np.array([1.0, 2.0]))
+    array([1. , 0.5, 7. ])
+    """
+    if not others.size:
+        return np.full(len(values), np.inf)
+    k = others.searchsorted(values)
+    before = np.abs(values - others[np.maximum(k - 1, 0)])
+    after = np.abs(others[np.minimum(k, len(others) - 1)] - values)
+    nearest: Array = np.minimum(before, after)
+    return nearest

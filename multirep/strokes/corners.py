@@ -7,6 +7,7 @@ import numpy.typing as npt
 
 from multirep.arrays import Array, Indices
 from multirep.sampled import interpolate
+from multirep.spacing import clearance
 from multirep.strokes.arc_length import angles_between, arc_lengths, norms
 
 #: Segments on either side that a window may take in; the smallest that scatter allows is taken.
@@ -79,7 +80,7 @@ def find_corners(
         turns = _turns(points, s, at, half[at])
         at, turns = at[turns >= angle], turns[turns >= angle]
         # beside a sharp corner a window sees that corner
-        clear = _distance(s[at], s[chosen]) > half[at]
+        clear = clearance(s[at], s[chosen]) > half[at]
         at, turns = at[clear], turns[clear]
         at = at[_peaks(s[at], turns, half[at])]
         chosen = np.union1d(chosen, at)
@@ -149,16 +150,6 @@ def _integral(points: Array, s: Array, at: Array) -> Array:
     slope = np.divide(points[1:] - points[:-1], steps, out=np.zeros_like(pieces), where=steps > 0)
     result: Array = whole[k] + rest * (points[k] + rest * slope[k] / 2)
     return result
-
-
-def _distance(s: Array, others: Array) -> Array:
-    """Distance of each s from the nearest of increasing ``others``, (m,)."""
-    if not others.size:
-        return np.full(len(s), np.inf)
-    k = others.searchsorted(s)
-    after = np.abs(others[np.minimum(k, len(others) - 1)] - s)
-    before = np.abs(s - others[np.maximum(k - 1, 0)])
-    return np.minimum(before, after)
 
 
 def _peaks(s: Array, heights: Array, reach: Array) -> npt.NDArray[np.bool_]:

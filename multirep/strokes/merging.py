@@ -71,7 +71,7 @@ def gather(points: Array, noise: float) -> Gathered:
             break
         ratio = _ratios(rows, counts, noise)
         near = ratio <= JUMP
-        close = near & (_around(ratio * near) <= INDISTINCT * _around(near))
+        close = near & (_around(ratio * near) <= INDISTINCT * _around(near.astype(float)))
         first = np.flatnonzero(close[::2]) * 2
         if not first.size:
             break

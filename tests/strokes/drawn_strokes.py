@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 
 from multirep.arrays import Array, ArrayLike
@@ -44,7 +46,7 @@ def distances(points: Array, vertices: ArrayLike) -> Array:
     """Distance of each point from a polyline, by going through its segments."""
     rows = np.asarray(vertices, dtype=float)
     best = np.full(len(points), np.inf)
-    for a, b in zip(rows[:-1], rows[1:], strict=True):
+    for a, b in pairwise(rows):
         step = b - a
         u = np.clip((points - a) @ step / (step @ step), 0, 1)
         best = np.minimum(best, np.linalg.norm(points - a - u[:, None] * step, axis=1))

@@ -26,9 +26,9 @@ def test_whatever_is_drawn_becomes_a_curve(stroke: Array, noise: float | None) -
     try:
         cleaned = clean_stroke(stroke, noise=noise)
     except EditError as error:
-        assert "all of it is noise" in str(error)
-        assert noise is not None
-        return
+        if noise and "all of it is noise" in str(error):
+            return
+        raise
     points = cleaned.points
     assert len(points) >= 2
     assert np.isfinite(points).all()

@@ -10,7 +10,7 @@ from multirep.edit import Edit
 from multirep.errors import EditError
 from multirep.representations.polyline import Polyline
 from multirep.sampled import interpolate
-from multirep.spacing import told_apart
+from multirep.spacing import clearance, room, told_apart
 from multirep.strokes.arc_length import arc_lengths
 from multirep.strokes.blending import Join, Rim, apron_in_t, blended
 from multirep.tools.oversketch.gap import Gap
@@ -141,19 +141,22 @@ def _stations(
         extra.append(kept)
     others = np.concatenate([*extra, np.empty(0)])
     others = others[(others > gap.start) & (others < gap.stop)]
-    t = np.concatenate([flow.parameters(s), others])
-    along = np.concatenate([s, flow.lengths(others)])
+    # what must be a vertex goes before the samples of the stroke
+    drawn = flow.parameters(s)
+    clear = clearance(drawn, np.sort(others)) >= room(gap.start, gap.stop)
+    clear[[0, -1]] = True
+    t = np.concatenate([drawn[clear], others])
+    along = np.concatenate([s[clear], flow.lengths(others)])
     order = t.argsort(kind="stable")
     t, along = t[order], along[order]
     t[0], t[-1] = gap.start, gap.stop
     along[0], along[-1] = 0.0, s[-1]
     chosen = told_apart(t)
-    if len(chosen) < len(t):
-        jumps = along[chosen[1:]] - along[chosen[:-1]]
-        if ((chosen[1:] - chosen[:-1] > 1) & (jumps > LOST * s[-1])).any():
-            raise EditError(
-                f"no parameters are left between t = {gap.start!r} and {gap.stop!r} for the "
-                f"{len(s)} vertices of the stroke: draw over a longer stretch, or redistribute "
-                "the parameters"
-            )
+    lost = np.abs(np.interp(t, t[chosen], along[chosen]) - along).max()
+    if lost > LOST * s[-1]:
+        raise EditError(
+            f"no parameters are left between t = {gap.start!r} and {gap.stop!r} for the "
+            f"{len(s)} vertices of the stroke: draw over a longer stretch, or redistribute "
+            "the parameters"
+        )
     return t[chosen], along[chosen]
