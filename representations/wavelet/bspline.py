@@ -12,7 +12,7 @@ from multirep.edit import Edit
 from multirep.errors import EditError, InvalidCurveError, ToleranceError
 from multirep.interval import Interval
 from multirep.representation import Representation
-from multirep.representations.wavelet import details, holding, splicing
+from multirep.representations.wavelet import details, holding, levels, splicing
 from multirep.representations.wavelet.data import read, written
 from multirep.representations.wavelet.filters import level_of
 from multirep.representations.wavelet.graded import Graded, clamped, differences
@@ -305,6 +305,10 @@ class WaveletBSpline(Representation):
         if wanted not in self._pyramids:
             self._pyramids[wanted] = Pyramid.of(uniform_points(self._graded, wanted))
         return self._pyramids[wanted]
+
+    def at_level(self, level: float) -> Self:
+        """Return the curve of a level, also between two: what is left without finer details."""
+        return self._of(levels.at_level(self._graded, level))
 
     def sweep(self, t: float, to: ArrayLike, level: float) -> Edit[Self]:
         """Move the curve at ``t`` to a point by the smallest change of the control points of a level.

@@ -8,22 +8,42 @@ only control points move whose support lies inside (facts 1e; Grimm-Ayers 6.3).
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from multirep.arrays import Array
 from multirep.errors import EditError
 from multirep.interval import Interval
+from multirep.representations.wavelet.dyadic import finest_level, parameters
 from multirep.representations.wavelet.graded import Graded
 from multirep.splices import SpliceList
 
 __all__ = ["confined", "confined_to", "inside"]
 
+#: Knots that an apron needs, about: fewer make the transition sudden, more stay behind for nothing.
+_APRON_KNOTS = 4
 #: An apron takes at most this part of the interval, so that something is left between two.
 LARGEST_APRON = 1 / 3
 
 
-def confined_to(before: Graded, after: Graded, where: SpliceList, apron: float) -> Graded:
+def confined_to(
+    before: Graded,
+    after: Graded,
+    where: SpliceList,
+    apron: float,
+    frozen: SpliceList = SpliceList.EMPTY,
+) -> Graded:
     """Return ``after`` on some stretches and ``before`` elsewhere; see :func:`confined`.
+
+    Parameters
+    ----------
+    before, after : Graded
+    where : SpliceList
+        Disjoint from ``frozen``.
+    apron : float
+    frozen : SpliceList
+        Where not a bit may change.
 
     Raises
     ------
@@ -44,15 +64,20 @@ def confined_to(before: Graded, after: Graded, where: SpliceList, apron: float) 
         return after
     curve = before
     for stretch in where:
-        curve = confined(curve, after, stretch, apron)
-    if curve is before:
-        spans = [stop - start for start, stop in (inside(before, stretch) for stretch in where)]
+        fixed = frozen.contains(stretch.start), frozen.contains(stretch.stop)
+        curve = confined(curve, after, stretch, apron, fixed)
+    if curve is before and (not where or _differ(before, after, where)):
         raise EditError(
-            f"there is no room for a change on {where or 'an empty stretch'}: it covers "
-            f"{max([0, *spans])} whole spans of the curve, and the smallest change that stays "
-            "inside takes 4, and 8 where knots have to be added (refine the curve there)"
+            f"there is no room for a change on {where or 'an empty stretch'}: knots of a curve on "
+            f"{before.domain} cannot be closer than 2**-{finest_level(before.domain)} of it, and "
+            "those beside a frozen stretch stay"
         )
     return curve
+
+
+def _differ(one: Graded, two: Graded, where: SpliceList) -> bool:
+    t = np.concatenate([np.linspace(stretch.start, stretch.stop, 65) for stretch in where])
+    return bool((one.evaluate(t) != two.evaluate(t)).any())
 
 
 def inside(curve: Graded, interval: Interval) -> tuple[int, int]:
@@ -65,7 +90,13 @@ def inside(curve: Graded, interval: Interval) -> tuple[int, int]:
     return first, last
 
 
-def confined(before: Graded, after: Graded, interval: Interval, apron: float) -> Graded:
+def confined(
+    before: Graded,
+    after: Graded,
+    interval: Interval,
+    apron: float,
+    fixed: tuple[bool, bool] = (False, False),
+) -> Graded:
     """Return a curve that is ``before`` outside an interval and ``after`` in its middle.
 
     Parameters
@@ -76,33 +107,39 @@ def confined(before: Graded, after: Graded, interval: Interval, apron: float) ->
     apron : float
         Width of the transition at each end inside T, as a part of T; at most a third of the
         interval is used. Its weights are ``s**2 (3 - 2 s)`` in the distance s, at the mean of the
-        three inner knots of each control point.
+        three inner knots of each control point. An end where both curves are the same has none.
+    fixed : pair of bool
+        Whether no knots may be added beside the start and the stop that touch what lies beyond.
 
     Returns
     -------
     Graded
-        ``before`` itself if nothing can change inside. Control points whose support reaches out of
-        the interval keep their bits. Knots of ``before`` that the middle does not need are gone.
+        ``before`` itself if nothing changes inside. Control points whose support reaches out of
+        the interval keep their bits, unless ``before`` is so coarse that knots had to be added on
+        an apron: then those around are written anew, and the curve out there is the same up to
+        rounding. Knots of ``before`` that the middle does not need are gone.
 
     Notes
     -----
     Linear in the knots of both inside the interval. New knots keep two knots of ``before`` off the
     ends, or control points beyond would change.
     """
-    first, last = inside(before, interval)
+    width, aprons = _aprons(before, after, interval, apron)
+    curve = _with_room(before, interval, width, aprons, fixed)
+    first, last = inside(curve, interval)
     if last - first < 1:
         return before
-    ends = before.u.window(first, last + 1)
-    left, right = first > 3, last < before.size
-    low, high = ends[2 * left], ends[len(ends) - 1 - 2 * right]
-    if low >= high:
-        return before
+    ends = curve.u.window(first, last + 1)
+    left, right = first > 3, last < curve.size
+    low, high = ends[min(2 * left, len(ends) - 1)], ends[max(len(ends) - 1 - 2 * right, 0)]
     u = _strictly_inside(after, ends[0], ends[-1])
     missing = np.setdiff1d(u, ends, assume_unique=True)
     # Where `after` has knots too near to an end to be taken over, the change begins behind them.
     start = low if len(missing) and missing[0] <= low else ends[0]
     stop = high if len(missing) and missing[-1] >= high else ends[-1]
-    curve = before.refined(missing[(missing > low) & (missing < high)])
+    if start >= stop:
+        return before
+    curve = curve.refined(missing[(missing > low) & (missing < high)])
     i = _index(curve, start, 3, left)
     j = _index(curve, stop, curve.size, right)
     common = curve.u.window(i, j + 1)
@@ -110,14 +147,60 @@ def confined(before: Graded, after: Graded, interval: Interval, apron: float) ->
     if p >= q:
         return before
     wanted = _points_on(after, common, (left, right))
-    weights = _weights(curve, (p, q), (left, right), apron)
+    weights = _weights(curve.u.window(p, q + 4), width, aprons)
     old = curve.points.window(p, q)
     rows = np.where(weights == 1.0, wanted, old + weights * (wanted - old))
-    if len(curve.u) == len(before.u) and (rows == old).all():
+    if (rows == old).all():
         return before
     curve = curve.replaced((4, 4), np.empty(0), (p, q), rows)
     full = np.flatnonzero(weights[:, 0] == 1.0)
     return _thinned(curve, after, p + full[0], p + full[-1] + 1) if len(full) else curve
+
+
+def _aprons(
+    before: Graded, after: Graded, interval: Interval, apron: float
+) -> tuple[float, tuple[bool, bool]]:
+    """Width of the aprons as a part of T, and at which ends there is one."""
+    domain = before.domain
+    width = min(apron, LARGEST_APRON * interval.length / domain.length)
+    zones = (
+        (interval.start, interval.start + width * domain.length),
+        (interval.stop - width * domain.length, interval.stop),
+    )
+    inner = interval.start > domain.start, interval.stop < domain.stop
+    left, right = (
+        within and _differ(before, after, SpliceList([zone]))
+        for within, zone in zip(inner, zones, strict=True)
+    )
+    return width, (left, right)
+
+
+def _with_room(
+    curve: Graded,
+    interval: Interval,
+    width: float,
+    aprons: tuple[bool, bool],
+    fixed: tuple[bool, bool],
+) -> Graded:
+    """Add knots on the aprons where there are too few to go over smoothly."""
+    domain = curve.domain
+    step = 2.0 ** math.floor(math.log2(width / _APRON_KNOTS))
+    if step < 2.0 ** -finest_level(domain):
+        return curve
+    start, stop = ((t - domain.start) / domain.length for t in interval)
+    first, last = inside(curve, interval)
+    added = np.empty(0)
+    for left, low, high in ((True, start, start + width), (False, stop - width, stop)):
+        knots = np.concatenate(([low], _strictly_inside(curve, low, high), [high]))
+        if not aprons[not left] or (knots[1:] - knots[:-1]).max() <= 2.0 * step:
+            continue
+        new = np.arange(math.ceil(low / step), math.floor(high / step) + 1) * step
+        if fixed[not left]:
+            border = curve.u.window(first, last + 1)[2 if left else -3]
+            new = new[new > border] if left else new[new < border]
+        added = np.append(added, new)
+    t = parameters(added, domain)
+    return curve.refined(added[(t >= interval.start) & (t <= interval.stop)])
 
 
 def _strictly_inside(curve: Graded, low: float, high: float) -> Array:
@@ -150,16 +233,11 @@ def _points_on(curve: Graded, breaks: Array, inner: tuple[bool, bool]) -> Array:
     return points
 
 
-def _weights(
-    curve: Graded, points: tuple[int, int], inner: tuple[bool, bool], apron: float
-) -> Array:
-    """Return the weights (q - p, 1) of control points p..q-1."""
-    p, q = points
-    u = curve.u.window(p, q + 4)
-    places = (u[1:-3] + u[2:-2] + u[3:-1]) / 3.0
-    width = min(apron, LARGEST_APRON * (u[-1] - u[0]))
-    weights = np.ones(q - p)
-    for present, distance in zip(inner, (places - u[0], u[-1] - places), strict=True):
+def _weights(knots: Array, width: float, aprons: tuple[bool, bool]) -> Array:
+    """Weights (m, 1) of the m control points on m + 4 knots."""
+    places = (knots[1:-3] + knots[2:-2] + knots[3:-1]) / 3.0
+    weights = np.ones(len(places))
+    for present, distance in zip(aprons, (places - knots[0], knots[-1] - places), strict=True):
         if present:
             s = np.minimum(distance / width, 1.0)
             weights *= s * s * (3.0 - 2.0 * s)

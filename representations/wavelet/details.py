@@ -19,7 +19,7 @@ from multirep.representations.wavelet.graded import Graded
 from multirep.splines.basis import basis_functions
 from multirep.splines.polar import blossom
 
-__all__ = ["FINEST_ANALYSED", "added", "check_detail", "halved", "swept"]
+__all__ = ["FINEST_ANALYSED", "added", "check_detail", "halved", "plus", "swept"]
 
 
 def swept(curve: Graded, t: float, offset: Array, level: float) -> Graded:
@@ -49,7 +49,7 @@ def swept(curve: Graded, t: float, offset: Array, level: float) -> Graded:
         if part:
             first, basis = _basis_at(curve.domain, t, j)
             rows = basis[:, None] * (offset * (part / float(basis @ basis)))
-            curve = _plus(curve, j, first, rows)
+            curve = plus(curve, j, first, rows)
     return curve
 
 
@@ -70,8 +70,11 @@ def _uniform_knots(domain: Interval, level: int, first: int, stop: int) -> Array
     return parameters(np.minimum(np.maximum(places, 0), 1 << level) / (1 << level), domain)
 
 
-def _plus(curve: Graded, level: int, first: int, rows: Array) -> Graded:
-    """Add ``rows`` to the control points first, first + 1, .. of the uniform curve of a level."""
+def plus(curve: Graded, level: int, first: int, rows: Array) -> Graded:
+    """Add ``rows`` to the control points first, first + 1, .. of the uniform curve of a level.
+
+    Knots of the level are inserted where they act; O(rows + control points there).
+    """
     spans = 1 << level
     low, high = max(first - 3, 0), min(first + len(rows), spans)
     curve = curve.refined(np.arange(max(low, 1), min(high + 1, spans)) / spans)
@@ -121,7 +124,7 @@ def added(curve: Graded, level: int, index: int, offset: Array) -> Graded:
         first = 2 * count + 3 - mirrored - len(column)
     else:
         first, column = 2 * index - 3, interior
-    return _plus(curve, level + 1, first, column[:, None] * offset)
+    return plus(curve, level + 1, first, column[:, None] * offset)
 
 
 def halved(curve: Graded, interval: Interval) -> Graded:

@@ -9,12 +9,13 @@ its control points and their bits, and no level is too deep.
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
+import numpy.typing as npt
 
 from multirep.arrays import Array
-from multirep.errors import InvariantError
+from multirep.errors import EditError, InvariantError
 from multirep.representations.wavelet.dyadic import levels
 from multirep.representations.wavelet.graded import Graded, clamped
 from multirep.splines.arrays import IntArray
@@ -24,9 +25,12 @@ from multirep.splines.polar import blossom, refine
 
 __all__ = ["at_level"]
 
-#: Spans of a level over which a fine knot acts: what is left of it beyond is 0.45 * 0.5353**40, 6e-12.
-#: More are exact to the last bit, and leave as many more control points behind.
+#: Spans of a level over which a fine knot acts: beyond, 0.45 * 0.5353**40 = 6e-12 of it are left.
+#: More would be exact to the last bit, and leave more control points behind.
 MARGIN = 40
+
+
+Booleans: TypeAlias = npt.NDArray[np.bool_]
 
 
 class _Spline(NamedTuple):
@@ -55,6 +59,11 @@ def at_level(curve: Graded, level: float, near: tuple[float, float] = (0.0, 1.0)
         Of T or, with ``near``, of some stretch around it; within that stretch it is right near
         ``near`` only. Where the curve is as coarse as the level, control points keep their bits.
 
+    Raises
+    ------
+    EditError
+        For a negative level.
+
     Notes
     -----
     Linear in the knots around ``near`` and in the spans that are finer than the level, plus 80
@@ -69,8 +78,9 @@ def at_level(curve: Graded, level: float, near: tuple[float, float] = (0.0, 1.0)
     >>> at_level(zigzag, 0).size, at_level(zigzag, 0.5).size, at_level(zigzag, 2) is zigzag
     (4, 5, True)
     """
-    finest = curve.level
-    if level >= finest:
+    if not level >= 0:
+        raise EditError(f"levels begin at 0, the base curve; got {level:g}")
+    if level >= curve.level:
         return curve
     coarse, share = int(level), level % 1.0
     part = _cut(curve, *_around(near, coarse))
@@ -126,8 +136,12 @@ def _projected(curve: _Spline, level: int) -> _Spline:
     inside = (run >= 0) & (pieces[1:] * 2.0**level <= stops[np.maximum(run, 0)])
     origin = held[len(held) // 2]
     solved = _best(
-        _Spline(finer, points - origin), pieces[:-1][inside], pieces[1:][inside], knots,
-        held - origin, free,
+        _Spline(finer, points - origin),
+        pieces[:-1][inside],
+        pieces[1:][inside],
+        knots,
+        held - origin,
+        free,
     )
     return _Spline(knots, np.where(free[:, None], solved + origin, held))
 
@@ -142,7 +156,7 @@ def _windows(fine: Array, low: float, high: float, level: int) -> tuple[IntArray
 
 
 def _best(
-    curve: _Spline, starts: Array, stops: Array, knots: Array, held: Array, free: Array
+    curve: _Spline, starts: Array, stops: Array, knots: Array, held: Array, free: Booleans
 ) -> Array:
     """Solve for the free control points on ``knots``: the best in L2 over the given pieces.
 

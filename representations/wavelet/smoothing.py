@@ -4,9 +4,12 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+import attrs
+
 from multirep.errors import EditError
 from multirep.interval import Interval
 from multirep.representations.wavelet.confining import confined_to, inside
+from multirep.representations.wavelet.dyadic import finest_level
 from multirep.representations.wavelet.levels import at_level
 from multirep.splices import SpliceList
 
@@ -14,7 +17,7 @@ if TYPE_CHECKING:
     from multirep.edit import Edit
     from multirep.representations.wavelet.bspline import WaveletBSpline
 
-__all__ = ["APRON_SPANS", "smoothed"]
+__all__ = ["APRON_SPANS", "shown", "smoothed"]
 
 #: Details fade out over so many spans of the level: over about their longest wave, so that the
 #: transition itself is no detail.
@@ -44,7 +47,9 @@ def smoothed(
     Returns
     -------
     Edit
-        Only control points change whose support lies in the interval.
+        Only control points change whose support lies in the interval. (Where the curve is too
+        coarse to go over within an apron, it is written with more knots there; the curve around is
+        the same up to rounding, and the splices reach as far as the control points concerned.)
 
     Raises
     ------
@@ -66,21 +71,17 @@ def smoothed(
     >>> print(edit.splices, edit.value.size < rough.size)
     [1/4,3/4] True
     """
-    if not level >= 0:
-        raise EditError(f"levels begin at 0, the base curve; got {level:g}")
     before, domain = curve._graded, curve.domain
     wanted = domain if interval is None else interval
     curve.parameters([wanted.start, wanted.stop])
     where = SpliceList([wanted]) - frozen
-    if level >= before.level:
-        return curve._edit(before)
     near = (0.0, 1.0)
     if where and where.hull != domain:
         near = _hull(curve, where.hull)
     after = at_level(before, level, near)
     if after is before:
         return curve._edit(before)
-    return curve._edit(confined_to(before, after, where, APRON_SPANS * 2.0**-level))
+    return curve._edit(confined_to(before, after, where, APRON_SPANS * 2.0**-level, frozen))
 
 
 def _hull(curve: WaveletBSpline, interval: Interval) -> tuple[float, float]:
@@ -89,3 +90,51 @@ def _hull(curve: WaveletBSpline, interval: Interval) -> tuple[float, float]:
     u = curve._graded.u
     low, high = (u.window(k, k + 1)[0] for k in (max(first - 1, 3), min(last + 1, curve.size)))
     return float(low), float(high)
+
+
+def shown(
+    curve: WaveletBSpline,
+    source: WaveletBSpline,
+    level: float,
+    frozen: SpliceList = SpliceList.EMPTY,
+) -> Edit[WaveletBSpline]:
+    """Make a curve the curve of a level of another, over its own domain.
+
+    Parameters
+    ----------
+    curve, source : WaveletBSpline
+        In the same number of coordinates.
+    level : float
+    frozen : SpliceList
+        Where ``curve`` may not change; it goes over within aprons of a third of what is free.
+
+    Returns
+    -------
+    Edit
+
+    Raises
+    ------
+    EditError
+        For a negative level, other numbers of coordinates, or when there is no room beside what is
+        frozen.
+
+    Examples
+    --------
+    >>> from multirep.representations import WaveletBSpline
+    >>> rough = WaveletBSpline([[k, k % 3] for k in range(131)])
+    >>> line = WaveletBSpline([[0, 0], [1, 0], [2, 0], [3, 0]], domain=(0, 10))
+    >>> shown(line, rough, 3.5).value
+    WaveletBSpline(size=19, level=4, domain=[0, 10])
+    """
+    if curve.dimension != source.dimension:
+        raise EditError(
+            f"the curve has {curve.dimension} coordinates, that to be shown has {source.dimension}"
+        )
+    after = attrs.evolve(at_level(source._graded, level), domain=curve.domain)
+    if after.level > finest_level(curve.domain):
+        raise EditError(
+            f"the curve to be shown is of level {after.level}, but knots on {curve.domain} cannot "
+            f"be closer than those of level {finest_level(curve.domain)}"
+        )
+    where = SpliceList([curve.domain]) - frozen
+    return curve._edit(confined_to(curve._graded, after, where, 1.0, frozen))
