@@ -59,6 +59,12 @@ def finite_number(instance: object, attribute: attrs.Attribute[Any], value: obje
         raise ValueError(f"{attribute.name!r} must be a finite number: {value!r}")
 
 
+def a_name(instance: object, attribute: attrs.Attribute[Any], value: object) -> None:
+    """Raise ValueError unless the field is a string that is not empty."""
+    if not (isinstance(value, str) and value):
+        raise ValueError(f"{attribute.name!r} must be a name: {value!r}")
+
+
 def finite_point(instance: object, attribute: attrs.Attribute[Any], value: object) -> None:
     """Raise ValueError unless the field is a non-empty tuple of finite numbers."""
     if not _is_point(value):

@@ -6,6 +6,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from multirep.tools.copy_detail import CopyDetail as CopyDetail
     from multirep.tools.corner import Corner as Corner
     from multirep.tools.delete_vertex import DeleteVertex as DeleteVertex
     from multirep.tools.direct_manipulation import DirectManipulation as DirectManipulation
@@ -16,11 +17,14 @@ if TYPE_CHECKING:
     from multirep.tools.move_vertex import MoveVertex as MoveVertex
     from multirep.tools.oversketch import Oversketch as Oversketch
     from multirep.tools.set_weight import SetWeight as SetWeight
+    from multirep.tools.show_level import ShowLevel as ShowLevel
     from multirep.tools.sketch import Sketch as Sketch
+    from multirep.tools.smooth import Smooth as Smooth
     from multirep.tools.spatula import Spatula as Spatula
     from multirep.tools.sweep import Sweep as Sweep
 
 _HOMES = {
+    "CopyDetail": "copy_detail",
     "Corner": "corner",
     "DeleteVertex": "delete_vertex",
     "DirectManipulation": "direct_manipulation",
@@ -31,12 +35,15 @@ _HOMES = {
     "MoveVertex": "move_vertex",
     "Oversketch": "oversketch",
     "SetWeight": "set_weight",
+    "ShowLevel": "show_level",
     "Sketch": "sketch",
+    "Smooth": "smooth",
     "Spatula": "spatula",
     "Sweep": "sweep",
 }
 
 __all__ = [
+    "CopyDetail",
     "Corner",
     "DeleteVertex",
     "DirectManipulation",
@@ -47,7 +54,9 @@ __all__ = [
     "MoveVertex",
     "Oversketch",
     "SetWeight",
+    "ShowLevel",
     "Sketch",
+    "Smooth",
     "Spatula",
     "Sweep",
 ]
