@@ -1,4 +1,4 @@
-"""The framework: constraints come and go, edits go through whole or not, conflicts say the way out."""
+"""The framework: constraints come and go, edits go through whole or not, and conflicts say why."""
 
 from __future__ import annotations
 
