@@ -1,8 +1,8 @@
-"""Benchmarks: named workloads, swept over size and accuracy, beside what a program without this library would do.
+"""Benchmarks: named workloads, swept over size, beside what a program without this library does.
 
     python -m benchmarks.drag            # one drag step through each representation
-    python -m benchmarks.repeated        # a thousand drag steps on the same curve: nothing may creep up
+    python -m benchmarks.repeated        # a thousand drag steps: nothing may creep up
 
-Times are medians on whatever machine runs them; the ratios are what counts, and the time that copying
+Times are medians on whatever machine runs them; ratios are what counts, and the time that copying
 16 MB takes is printed beside them. None of this is a test.
 """

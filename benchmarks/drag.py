@@ -1,92 +1,115 @@
-"""One drag step through each representation, with both others brought up to date, against the eager program.
+"""One drag step through each representation, both others brought up to date, and the eager program.
 
-python -m benchmarks.drag [--curve smooth] [--sizes 100 1000 10000 100000] [--tolerance 1e-3] [--parts]
+python -m benchmarks.drag [--curve smooth] [--sizes 100 1000 10000 100000] [--tolerance 1e-3]
+                          [--parts] [--no-eager]
 """
 
 from __future__ import annotations
 
 import argparse
 from collections import defaultdict
+from time import perf_counter
 
 import numpy as np
 
 import multirep as mr
-from benchmarks.eager import refit
+from benchmarks.eager import Refit, refit
 from benchmarks.timing import copying, median
-from benchmarks.workloads import CURVES, drag_step, drags
+from benchmarks.workloads import CURVES, STEP, VERTEX, Drag, drag_step, drags
 from multirep.events import Fitted, Sampled
 from multirep.representations import Polyline
 
 #: Steps that are measured, after as many that are not.
-STEPS = 40
+STEPS = 60
 
 
 def main() -> None:
     """Print one table a curve."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser = argparse.ArgumentParser(description="one drag step, against an eager program")
     parser.add_argument("--curve", choices=[*CURVES], action="append")
     parser.add_argument("--sizes", type=int, nargs="+", default=[100, 1000, 10_000, 100_000])
     parser.add_argument("--tolerance", type=float, default=1e-3)
     parser.add_argument("--parts", action="store_true", help="say where the time of a step goes")
-    parser.add_argument("--no-eager", action="store_true")
+    parser.add_argument("--no-eager", action="store_true", help="leave out the eager program")
     options = parser.parse_args()
     print(f"copying 16 MB takes {1e3 * copying():.2f} ms here; tolerance {options.tolerance:g}")
     for name in options.curve or CURVES:
-        report(name, options.sizes, options.tolerance, not options.no_eager, options.parts)
+        report(name, options)
 
 
-def report(name: str, sizes: list[int], tolerance: float, eager: bool, parts: bool) -> None:
+def report(name: str, options: argparse.Namespace) -> None:
     """Print a table for one curve."""
-    print(f"\n{name}: ms a drag step, both other views brought up to date")
-    print(
-        f"{'n':>7}  {'drag':22} {'ours':>8} {'eager':>9} {'ratio':>7}   sizes (polyline, nurbs, wavelet)"
-    )
-    for n in sizes:
+    print(f"\n{name}: ms a drag step, median (fastest), and polyline, nurbs, wavelet sizes")
+    first: dict[str, float] = {}
+    for n in options.sizes:
         points = CURVES[name](n)
-        slow = eager_step(points, tolerance) if eager else float("nan")
+        eager = float("nan")
+        if not options.no_eager:
+            eager, found = eager_step(points, options.tolerance)
+            sizes = f"{found.free} and {found.uniform} control points"
+            print(f"{n:7}  {'eager program':22} {1e3 * eager:8.1f}          {sizes}")
         for number in range(3):
-            curve = mr.MultiRepresentation.from_points(points, tolerance=tolerance)
+            curve = mr.MultiRepresentation.from_points(points, tolerance=options.tolerance)
             drag = drags(curve)[number]
-            ours = median(lambda k: drag_step(curve, drag, k), count=STEPS, warm_up=STEPS)
-            counts = ", ".join(
-                str(curve.view(kind).size) for kind in ("polyline", "nurbs", "wavelet")
-            )
+            times = measured(curve, drag)
+            ours = float(np.median(times))
+            if n == 1000:
+                first[drag.what] = ours
+            sizes = ", ".join(str(curve.view(x).size) for x in ("polyline", "nurbs", "wavelet"))
+            growth = f"{ours / first[drag.what]:.2f} of n = 1000" if drag.what in first else ""
             print(
-                f"{n:7}  {drag.what:22} {1e3 * ours:8.2f} {1e3 * slow:9.1f} {slow / ours:7.0f}   {counts}"
+                f"{n:7}  {drag.what:22} {1e3 * ours:8.2f} ({1e3 * min(times):5.2f})  {sizes};  "
+                f"eager / ours {eager / ours:.0f}  {growth}"
             )
-            if parts:
+            if options.parts:
                 print(f"{'':9}{parts_of(curve, drag)}")
 
 
-def eager_step(points: np.ndarray, tolerance: float) -> float:
-    """Seconds of one step of the eager program; few repeats where it is slow."""
+def measured(curve: mr.MultiRepresentation, drag: Drag) -> list[float]:
+    """Seconds of each step, once things have settled."""
+    times = []
+    for k in range(2 * STEPS):
+        begin = perf_counter()
+        drag_step(curve, drag, k)
+        times.append(perf_counter() - begin)
+    return times[STEPS:]
+
+
+def eager_step(points: np.ndarray, tolerance: float) -> tuple[float, Refit]:
+    """Seconds of one step of the eager program (fewer repeats where it is slow), and its fits."""
     polyline = Polyline.from_points(points)
     t, rows = np.array(polyline.t), np.array(polyline.points)
-    vertex = int(t.searchsorted(0.37))
+    vertex = int(t.searchsorted(VERTEX))
+    at = rows[vertex].copy()
+    found = []
 
     def step(k: int) -> None:
-        rows[vertex, 0] += 10 * tolerance * (1 if k % 2 else -1)
-        refit(t, rows, tolerance)
+        rows[vertex] = at
+        rows[vertex, k % 2] += STEP * tolerance
+        found.append(refit(t, rows, tolerance))
 
-    return median(step, count=7 if len(t) < 5000 else 3)
+    few = len(t) > 5000
+    return median(step, count=1 if few else 7, warm_up=0 if few else 1), found[-1]
 
 
-def parts_of(curve: mr.MultiRepresentation, drag: object) -> str:
+def parts_of(curve: mr.MultiRepresentation, drag: Drag) -> str:
     """Where the time of a step goes: microseconds of sampling and fitting by kind, medians."""
-    found = defaultdict(list)
+    spent = defaultdict(list)
     for k in range(STEPS):
         with curve.listening() as events:
-            total = median(lambda _: drag_step(curve, drag, k), count=1)  # type: ignore[arg-type]  # noqa: B023
-        spent: dict[str, float] = defaultdict(float)
+            begin = perf_counter()
+            drag_step(curve, drag, k)
+            total = 1e6 * (perf_counter() - begin)
+        parts: dict[str, float] = defaultdict(float)
         for event in events:
             if isinstance(event, Sampled):
-                spent[f"sample {event.author}"] += event.microseconds
+                parts[f"sample {event.author}"] += event.microseconds
             elif isinstance(event, Fitted):
-                spent[f"fit {event.kind}"] += event.microseconds
-        spent["the rest"] = 1e6 * total - sum(spent.values())
-        for what, time in spent.items():
-            found[what].append(time)
-    return "; ".join(f"{what} {np.median(times):.0f} µs" for what, times in found.items())
+                parts[f"fit {event.kind}"] += event.microseconds
+        parts["the rest"] = total - sum(parts.values())
+        for what, time in parts.items():
+            spent[what].append(time)
+    return "; ".join(f"{what} {np.median(times):.0f} µs" for what, times in spent.items())
 
 
 if __name__ == "__main__":

@@ -1,9 +1,9 @@
 """What one would write with scipy alone: move a vertex, then refit both splines from the polyline.
 
-Both fits are least squares (``make_lsq_spline`` by normal equations, the fastest that scipy offers)
-against samples of the polyline, verified against the polyline between its vertices too, and repeated
-with more knots until they are within the tolerance: the free spline splits the spans that fail, the
-uniform one doubles its knots. Nothing is kept from one step to the next.
+Both fits are least squares (``make_lsq_spline`` by normal equations, the fastest that scipy has)
+against samples of the polyline, verified between its vertices too, and repeated with more knots
+until they are within the tolerance: the free spline splits the spans that fail, the uniform one
+doubles its knots. Nothing is kept from one step to the next.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ ATTEMPTS = 40
 
 @frozen
 class Refit:
-    """Control points of both splines, and how far each is from the polyline where it was checked."""
+    """Control points of both splines, and how far each was seen from the polyline."""
 
     free: int
     uniform: int
@@ -67,7 +67,9 @@ def _fit(t: Array, points: Array, tolerance: float, *, uniform: bool) -> tuple[i
 def _least_squares(x: Array, y: Array, marks: Array) -> Any:
     from scipy.interpolate import make_lsq_spline
 
-    knots = np.concatenate([marks[:1], marks[:1], marks[:1], marks, marks[-1:], marks[-1:], marks[-1:]])
+    knots = np.concatenate(
+        [marks[:1], marks[:1], marks[:1], marks, marks[-1:], marks[-1:], marks[-1:]]
+    )
     try:
         return make_lsq_spline(x, y, knots, k=3, method="norm-eq")
     except TypeError:  # an older scipy knows one method only

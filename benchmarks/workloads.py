@@ -9,15 +9,19 @@ from attrs import frozen
 
 import multirep as mr
 from multirep.arrays import Array
-from multirep.representations import Nurbs, Polyline, WaveletBSpline
 from multirep.representation import Representation
+from multirep.representations import Nurbs, Polyline, WaveletBSpline
 
 #: How far a drag step moves something, in tolerances.
 STEP = 10.0
 #: Level of the sweep: its width is 7/2^6 of the curve.
 SWEEP_LEVEL = 6
-#: Where on the curve things are dragged.
-PLACE = 0.37
+#: Harmonics of the fractal line: the same coast at every n, ever better surveyed.
+HARMONICS = 2**17
+#: Where on the curve things are dragged. The sweep covers the control point; the vertex is
+#: elsewhere: a vertex that is dragged out of a curve which other edits have smoothed makes ever
+#: narrower spikes.
+VERTEX, CONTROL_POINT, SWEPT = 0.2, 0.37, 0.4
 
 
 def smooth(n: int) -> Array:
@@ -28,16 +32,14 @@ def smooth(n: int) -> Array:
 
 
 def coast(n: int) -> Array:
-    """A fractal line of size 1, as rough at every scale as a coast: finer vertices add finer detail."""
+    """A fractal line of size 1, rough at every scale: finer vertices add finer detail."""
     rng = np.random.default_rng(7)
-    k = np.arange(1, n // 2 + 1)
-    spectrum = (rng.normal(size=(len(k), 2)) + 1j * rng.normal(size=(len(k), 2))) * (k**-1.6)[
-        :, None
-    ]
-    rows = np.fft.irfft(np.concatenate([np.zeros((1, 2)), spectrum]), n=n, axis=0)[: n - n // 8]
-    rows = np.stack(
-        [np.interp(np.linspace(0, 1, n), np.linspace(0, 1, len(rows)), c) for c in rows.T], 1
-    )
+    k = np.arange(1, HARMONICS + 1)
+    waves = (rng.normal(size=(len(k), 2)) + 1j * rng.normal(size=(len(k), 2))) * (k**-1.6)[:, None]
+    # seven eighths of a period: an open curve
+    fine = np.fft.irfft(np.concatenate([np.zeros((1, 2)), waves]), axis=0)[: 7 * HARMONICS // 4]
+    at = np.linspace(0, len(fine) - 1, n)
+    rows = np.stack([np.interp(at, np.arange(len(fine)), column) for column in fine.T], axis=1)
     return np.asarray(rows / np.ptp(rows, axis=0).max())
 
 
@@ -46,7 +48,7 @@ CURVES: dict[str, Callable[[int], Array]] = {"smooth": smooth, "coast": coast}
 
 @frozen
 class Drag:
-    """Moving something of one representation to and fro; ``step(value, k)`` is the k-th step's edit."""
+    """Moving something to and fro; ``step(value, k)`` is the edit of the k-th step."""
 
     kind: type[Representation]
     what: str
@@ -54,29 +56,25 @@ class Drag:
 
 
 def drags(curve: mr.MultiRepresentation) -> list[Drag]:
-    """The drag of each representation, around the place where it stands now."""
+    """Return the drag of each representation: there and back again, by ``STEP`` tolerances."""
     size = STEP * curve.tolerance
-    polyline, nurbs = curve.view(Polyline), curve.view(Nurbs)
-    wavelet = curve.view(WaveletBSpline)
-    vertex = min(max(polyline.t.searchsorted(PLACE), 1), polyline.size - 2)
-    vertex_t, vertex_at = float(polyline.t[vertex]), np.array(polyline.points[vertex])
-    control = min(max(nurbs.knots.searchsorted(PLACE) - nurbs.degree // 2, 1), nurbs.size - 2)
-    control_at = np.array(nurbs.points[control])
-    swept_at = wavelet(PLACE)
 
-    def to(k: int) -> Array:
-        offset = np.zeros(curve.dimension)
-        offset[k % 2] = size * (1 if k % 4 < 2 else -1)
-        return offset
+    def offset(k: int) -> Array:
+        move = np.zeros(curve.dimension)
+        move[k // 2 % 2] = size if k % 2 == 0 else -size
+        return move
 
     def move_vertex(value: Polyline, k: int) -> mr.Edit[Polyline]:
-        return value.move_vertex(value.t.searchsorted(vertex_t), vertex_at + to(k))
+        vertex = min(max(value.t.searchsorted(VERTEX), 1), value.size - 2)
+        return value.move_vertex(vertex, value.points[vertex] + offset(k))
 
     def move_control_point(value: Nurbs, k: int) -> mr.Edit[Nurbs]:
-        return value.move_control_point(control, control_at + to(k))
+        near = value.knots.searchsorted(CONTROL_POINT) - value.degree // 2 - 1
+        control = min(max(near, 1), value.size - 2)
+        return value.move_control_point(control, value.points[control] + offset(k))
 
     def sweep(value: WaveletBSpline, k: int) -> mr.Edit[WaveletBSpline]:
-        return value.sweep(PLACE, swept_at + to(k), SWEEP_LEVEL)
+        return value.sweep(SWEPT, value(SWEPT) + offset(k), SWEEP_LEVEL)
 
     return [
         Drag(Polyline, "move a vertex", move_vertex),
