@@ -9,16 +9,14 @@ its control points and their bits, and no level is too deep.
 
 from __future__ import annotations
 
-from typing import NamedTuple, TypeAlias
+from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
-from multirep.arrays import Array
+from multirep.arrays import Array, Flags, Indices
 from multirep.errors import EditError, InvariantError
 from multirep.representations.wavelet.dyadic import levels
 from multirep.representations.wavelet.graded import Graded, clamped
-from multirep.splines.arrays import IntArray
 from multirep.splines.basis import basis_functions
 from multirep.splines.evaluation import evaluate
 from multirep.splines.polar import blossom, refine
@@ -28,9 +26,6 @@ __all__ = ["at_level"]
 #: Spans of a level over which a fine knot acts: beyond, 0.45 * 0.5353**40 = 6e-12 of it are left.
 #: More would be exact to the last bit, and leave more control points behind.
 MARGIN = 40
-
-
-Booleans: TypeAlias = npt.NDArray[np.bool_]
 
 
 class _Spline(NamedTuple):
@@ -146,7 +141,7 @@ def _projected(curve: _Spline, level: int) -> _Spline:
     return _Spline(knots, np.where(free[:, None], solved + origin, held))
 
 
-def _windows(fine: Array, low: float, high: float, level: int) -> tuple[IntArray, IntArray]:
+def _windows(fine: Array, low: float, high: float, level: int) -> tuple[Indices, Indices]:
     """Return first and last knots of the level, as integers, of the windows around fine knots."""
     scaled = fine * 2.0**level
     starts = np.maximum(np.floor(scaled) - MARGIN, low * 2.0**level).astype(np.intp)
@@ -156,7 +151,7 @@ def _windows(fine: Array, low: float, high: float, level: int) -> tuple[IntArray
 
 
 def _best(
-    curve: _Spline, starts: Array, stops: Array, knots: Array, held: Array, free: Booleans
+    curve: _Spline, starts: Array, stops: Array, knots: Array, held: Array, free: Flags
 ) -> Array:
     """Solve for the free control points on ``knots``: the best in L2 over the given pieces.
 

@@ -5,16 +5,14 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-import numpy.typing as npt
 
-from multirep.arrays import Array
+from multirep.arrays import Array, Flags, Indices
 from multirep.errors import EditError
 from multirep.interval import Interval
 from multirep.representations.wavelet import details
 from multirep.representations.wavelet.dyadic import finest_level, parameters
 from multirep.representations.wavelet.graded import Graded
 from multirep.splices import SpliceList
-from multirep.splines.arrays import IntArray
 from multirep.splines.basis import basis_functions
 from multirep.splines.minimum_norm import least_norm
 
@@ -28,6 +26,8 @@ __all__ = ["swept_together"]
 #: Conditions nearer to a combination of others than this (as unit rows) are refused: the curve
 #: would swing out by a thousand times the offsets.
 _QUALITY = 1e-3
+#: Beside a frozen stretch the change is rather faded out than let swing so wide.
+_QUALITY_BESIDE = 0.1
 
 
 def swept_together(
@@ -49,7 +49,8 @@ def swept_together(
     level : float
         As for one point, see :meth:`WaveletBSpline.sweep`.
     frozen : SpliceList
-        Where nothing may change: only control points of the level move that do not act there.
+        Where nothing may change: only control points of the level move that do not act there. If
+        these cannot do it well, all of them move, and the caller has to fade the change out.
 
     Returns
     -------
@@ -62,7 +63,7 @@ def swept_together(
         For a parameter outside T.
     EditError
         When shapes do not fit, there is no such level, or not all targets can be reached: they
-        stand too close for the level, or too little is free. The message names those concerned.
+        stand too close for the level. The message names those concerned.
 
     Notes
     -----
@@ -101,7 +102,7 @@ def swept_together(
 
 def _solved(
     curve: Graded, t: Array, offsets: Array, level: int, frozen: SpliceList
-) -> tuple[IntArray, Array]:
+) -> tuple[Indices, Array]:
     """Control points (k,) of the level that act at the parameters, and their changes (k, d)."""
     spans = 1 << level
     domain = curve.domain
@@ -110,26 +111,27 @@ def _solved(
     knots = np.asarray(parameters(places, domain))
     rows = basis_functions(np.concatenate(knots), 3, t, 8 * np.arange(len(t)) + 3)
     columns, starts = np.unique(span[:, None] + np.arange(4), return_inverse=True)
+    starts = starts.reshape(len(t), 4)
     free = _free(curve, columns, level, frozen)
-    acting = free[starts].reshape(len(t), 4).any(axis=1) | (offsets != 0.0).any(axis=1)
-    if not acting.any():  # all targets stand on ice, and are there already
+    # On ice, what stays where it is needs no condition.
+    acting = free[starts].any(axis=1) | (offsets != 0.0).any(axis=1)
+    if not acting.any():
         return columns, np.zeros((len(columns), offsets.shape[1]))
-    first = starts.reshape(len(t), 4)[acting, 0]
-    found = least_norm(first, rows[acting], offsets[acting], free)
+    found = least_norm(starts[acting, 0], rows[acting], offsets[acting], free)
+    if not free.all() and found.quality < _QUALITY_BESIDE:
+        acting, free = np.ones_like(acting), np.ones_like(free)
+        found = least_norm(starts[:, 0], rows, offsets, free)
     if found.quality < _QUALITY:
         culprits = ", ".join(f"{value:.6g}" for value in t[acting][found.culprits].tolist())
-        held = f" beside what is frozen on {frozen}" if frozen and not free.all() else ""
         raise EditError(
-            f"not all targets can be reached at level {level}{held}: those at t = {culprits} need "
-            f"more control points than act there, {int(free.sum())} for {len(first)} targets in "
-            "all; take a higher level, or fewer targets"
+            f"not all targets can be reached at level {level}: those at t = {culprits} stand so "
+            f"close that its control points, {len(columns)} for {len(t)} targets in all, cannot "
+            "tell them apart; take a higher level, or fewer targets"
         )
     return columns, found.change
 
 
-def _free(
-    curve: Graded, columns: IntArray, level: int, frozen: SpliceList
-) -> npt.NDArray[np.bool_]:
+def _free(curve: Graded, columns: Indices, level: int, frozen: SpliceList) -> Flags:
     """Whether control points of a level, given by their numbers, keep off what is frozen."""
     free = np.ones(len(columns), dtype=bool)
     spans = 1 << level
@@ -150,7 +152,7 @@ def _border(curve: Graded, frozen: Interval) -> tuple[float, float]:
     return float(curve.knots(first - 2, first - 1)[0]), float(curve.knots(last + 2, last + 3)[0])
 
 
-def _plus(curve: Graded, level: int, columns: IntArray, rows: Array) -> Graded:
+def _plus(curve: Graded, level: int, columns: Indices, rows: Array) -> Graded:
     """Add rows to control points of a level, run by run of consecutive ones."""
     apart = np.flatnonzero(columns[1:] > columns[:-1] + 1) + 1
     for run, part in zip(np.split(columns, apart), np.split(rows, apart), strict=True):
