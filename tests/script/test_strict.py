@@ -62,6 +62,7 @@ BAD = [
     ({"radius": 1, "at": ["x"]}, "at[0]", "expected a number, got text 'x'"),
     ({"radius": 1, "pair": [1]}, "pair", "expected a list of 2, got a list [1]"),
     ({"radius": 1, "pair": [1, 2.0]}, "pair[1]", "expected a whole number, got 2.0"),
+    ({"radius": 1, "pair": [1, True]}, "pair[1]", "expected a whole number, got True"),
     ({"radius": 1, "pair": [1, 2**60]}, "pair[1]", "expected a whole number below 2^53"),
     ({"radius": 1, "flag": 1}, "flag", "expected true or false, got 1"),
     ({"radius": 1, "flag": True}, "", "a flag needs t"),
