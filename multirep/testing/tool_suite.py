@@ -56,6 +56,8 @@ class ToolSuite:
         not there, say).
     malformed : sequence of dict
         Keyword arguments that the class must refuse.
+    others : method
+        The other curves of the scene by name, for a tool that looks at them.
     tolerance : float
         In terms of the size of the curve, for the tests with other representations.
     """
@@ -87,6 +89,10 @@ class ToolSuite:
     def refused(self) -> Sequence[Tool[Any]]:
         """Nothing is refused, unless the subclass says what."""
         return ()
+
+    def others(self) -> Mapping[str, Representation]:
+        """List the other curves of the scene by name, for tools that look at them; none."""
+        return {}
 
     def elements(self, value: Representation) -> Any:
         """List what a value stores; see :class:`~multirep.testing.Elements`."""
@@ -120,7 +126,7 @@ class ToolSuite:
 
     def test_every_splice_holds_a_change(self, tool: Tool[Any], value: Representation) -> None:
         """A reported splice on which nothing differs would cost everyone else a needless fit."""
-        edit = tool.edit(value, Scene())
+        edit = tool.edit(value, self.scene())
         found = value.changes(edit.value)
         for splice in edit.splices:
             t = np.linspace(splice.start, splice.stop, 65)
@@ -129,9 +135,9 @@ class ToolSuite:
 
     def test_it_can_be_applied_again(self, tool: Tool[Any], value: Representation) -> None:
         """A tool has no memory: on its own result it is a sound edit again, or a refusal."""
-        after = tool.edit(value, Scene()).value
+        after = tool.edit(value, self.scene()).value
         try:
-            tool.edit(after, Scene())
+            tool.edit(after, self.scene())
         except MultirepError:
             return
         self.check(after, tool)
@@ -158,7 +164,7 @@ class ToolSuite:
         curve = session.curve("curve")
         other = curve.view(follower_of(value))
         outcome = session.apply("curve", tool)
-        assert outcome.changed == tool.edit(value, Scene()).splices
+        assert outcome.changed == tool.edit(value, self.scene()).splices
         check_certificate(curve, elements=self.elements)
         after = curve.view(type(value))
         followed = curve.view(follower_of(value))
@@ -186,12 +192,22 @@ class ToolSuite:
 
     def check(self, value: Representation, tool: Tool[Any]) -> Edit[Any]:
         """Edit and check the law of edits."""
-        return check_edit(value, lambda v: tool.edit(v, Scene()), elements=self.elements)
+        return check_edit(value, lambda v: tool.edit(v, self.scene()), elements=self.elements)
+
+    def scene(self) -> Scene:
+        """Return the scene of the other curves."""
+        return Scene({name: self.multiple(other) for name, other in self.others().items()})
 
     def session(self, value: Representation) -> Session:
-        """Return a session with the value and a loopback that follows it."""
+        """Return a session with the value, a loopback that follows it, and the other curves."""
         session = Session()
+        session.add("curve", self.multiple(value))
+        for name, other in self.others().items():
+            session.add(name, self.multiple(other))
+        return session
+
+    def multiple(self, value: Representation) -> MultiRepresentation:
+        """Return a multi-representation of a value and its loopback."""
         tolerance = self.tolerance * size_of(value)
         kinds = [type(value), follower_of(value)]
-        session.add("curve", MultiRepresentation(value, tolerance=tolerance, kinds=kinds))
-        return session
+        return MultiRepresentation(value, tolerance=tolerance, kinds=kinds)
