@@ -19,6 +19,7 @@ from multirep.constraints.condition import Condition, Rows
 from multirep.edit import Edit
 from multirep.errors import ConflictError, FrozenError
 from multirep.representations.nurbs import Nurbs
+from multirep.representations.nurbs.borders import acts_on, bends_at, halfway_knots
 from multirep.scene import Scene
 from multirep.splices import SpliceList
 from multirep.splines import LeastNorm, least_norm
@@ -30,8 +31,6 @@ GOOD = 0.05
 LEAST = 1e-3
 #: How often knots may be inserted around the parameters; each time the spans there are halved.
 REFINEMENTS = 6
-#: Knots are not inserted closer than this part of T.
-CLOSEST = 1e-7
 #: Two targets of one condition are the same within this part of the largest coordinate.
 SAME = 1e-12
 #: What counts as met, likewise: it only keeps rounding from being "corrected".
@@ -152,7 +151,7 @@ def _attempted(
         if isinstance(found, Edit):
             return _after(steps[-1], found)
         culprits = found
-        finer = _halved(value, [c for _, c in culprits], frozen)
+        finer = halfway_knots(value, [c.t for _, c in culprits], frozen)
         if not finer:
             break
         steps.append(_after(steps[-1], value.insert_knots(finer)))
@@ -183,7 +182,7 @@ def _met(
         return Edit(curve, SpliceList.EMPTY)
     movable = _movable(system, broken)
     concerned = movable[system.starts[:, None] + np.arange(system.rows.shape[1])].any(axis=1)
-    free = movable & ~_acting(curve, system, frozen)
+    free = movable & ~acts_on(curve, system.first, len(movable), frozen)
     _check_ice(system, broken, free, named, frozen)
     if gentle:
         free &= ~_better_left(curve, system, conditions, frozen)
@@ -207,36 +206,17 @@ def _movable(system: Rows, broken: Flags) -> Flags:
     return movable
 
 
-def _acting(curve: Nurbs, system: Rows, frozen: SpliceList) -> Flags:
-    """Which control points of the window act on a frozen stretch."""
-    count, p = len(system.points), curve.degree
-    acting = np.zeros(count, dtype=bool)
-    if frozen:
-        knots = curve.knots.window(system.first, system.first + count + p + 1)
-        for start, stop in frozen:
-            acting |= (knots[:count] < stop) & (knots[p + 1 :] > start)
-    return acting
-
-
 def _better_left(
     curve: Nurbs, system: Rows, conditions: Sequence[Condition], frozen: SpliceList
 ) -> Flags:
-    """Control points that had better stay: ends of the curve, and how it leaves what is frozen.
-
-    Beside the p-fold knot of a frozen border, p - 1 control points carry the derivatives there.
-    """
-    count, p = len(system.points), curve.degree
-    left = np.zeros(count, dtype=bool)
+    """Control points that had better stay: ends of the curve, and how it leaves what is frozen."""
+    count = len(system.points)
+    left = bends_at(curve, system.first, count, frozen)
     index = system.first + np.arange(count)
     if conditions[0].t > curve.domain.start:
         left |= index == 0
     if conditions[-1].t < curve.domain.stop:
         left |= index == curve.size - 1
-    if frozen and p > 1:
-        knots = curve.knots.window(system.first, system.first + count + p + 1)
-        for start, stop in frozen:
-            left |= (knots[1 : count + 1] == stop) & (knots[2 : count + 2] == stop)
-            left |= (knots[p : count + p] == start) & (knots[p - 1 : count + p - 1] == start)
     return left
 
 
@@ -263,17 +243,3 @@ def _solve(system: Rows, concerned: Flags, free: Flags) -> LeastNorm:
     return least_norm(
         system.starts[concerned], system.rows[concerned], system.wanted[concerned], free
     )
-
-
-def _halved(curve: Nurbs, conditions: Sequence[Condition], frozen: SpliceList) -> list[float]:
-    """Knots half way between the parameters of conditions and their neighbours, knots or not."""
-    shortest = CLOSEST * curve.domain.length
-    t = np.unique([condition.t for condition in conditions])
-    low, high = curve.span(float(t[0]), "left"), curve.span(float(t[-1])) + 1
-    knots = curve.knots.window(low, high + 1)
-    marks = np.union1d(knots, t)
-    marks = marks[np.concatenate(([True], np.diff(marks) > 0))]
-    beside = np.isin(marks, t)
-    chosen = (beside[1:] | beside[:-1]) & (np.diff(marks) > 2 * shortest)
-    middles = 0.5 * (marks[1:] + marks[:-1])[chosen]
-    return [m for m in middles.tolist() if not frozen.contains(m)]

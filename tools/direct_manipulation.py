@@ -1,4 +1,4 @@
-"""Pulling a point of a NURBS to another place: the smallest change of control points that does it."""
+"""Pulling a point of a NURBS to another place by the smallest change of control points."""
 
 from __future__ import annotations
 
@@ -7,19 +7,26 @@ import operator
 import numpy as np
 from attrs import converters, field, frozen, validators
 
-from multirep.arrays import Array
+from multirep.arrays import Array, Flags
 from multirep.edit import Edit
 from multirep.errors import EditError
 from multirep.fields import as_point, finite_number, finite_point
 from multirep.place import locate
 from multirep.representations.nurbs import Nurbs
+from multirep.representations.nurbs.borders import acts_on, bends_at, halfway_knots
 from multirep.scene import Scene
+from multirep.splices import SpliceList
 from multirep.splines import basis_functions
 from multirep.tool import Tool
 
 #: Control points that all have less influence than this are not moved: they would have to move by
 #: a million times as much as the point that is pulled.
 SMALLEST_INFLUENCE = 1e-6
+#: Beside a frozen stretch, knots are inserted until some free control point has this influence:
+#: they move by twenty times as much as the point at most.
+ENOUGH_INFLUENCE = 0.05
+#: How often they are inserted, each time halving the spans around the point.
+REFINEMENTS = 6
 
 
 @frozen
@@ -29,7 +36,8 @@ class DirectManipulation(Tool[Nurbs]):
     Of all changes of the chosen control points that bring C(t) there, it makes the one whose
     squares sum to the least: control point i moves by R_i(t) / sum R_j(t)^2 of the way, where R is
     the rational basis (eqs. e 4 and e 6, section 3; their recursion for B-splines has the second
-    numerator reversed).
+    numerator reversed). Beside a frozen stretch only control points move that do not bend the curve
+    at its border; knots are inserted around the point where there are none.
 
     Parameters
     ----------
@@ -98,8 +106,16 @@ class DirectManipulation(Tool[Nurbs]):
                 f"cannot move {self.control_points}"
             )
         t = locate(nurbs, self.t, self.at)
+        if scene.frozen and not scene.frozen.contains(t):  # else the framework says who froze it
+            return self._beside_ice(nurbs, t, scene.frozen)
+        first, influence = self._influence(nurbs, t, np.ones(p + 1, dtype=bool))
+        return self._pulled(nurbs, t, first, influence)
+
+    def _influence(self, nurbs: Nurbs, t: float, free: Flags) -> tuple[int, Array]:
+        """Return the first of the p + 1 control points that act at t, and their shares."""
+        p = nurbs.degree
         first = nurbs.span(t) - p
-        influence = rational_basis(nurbs, t)
+        influence = rational_basis(nurbs, t) * free
         if self.hold_ends:
             if first == 0:
                 influence[0] = 0.0
@@ -108,15 +124,42 @@ class DirectManipulation(Tool[Nurbs]):
         if self.control_points is not None:
             least = np.argsort(influence, kind="stable")[: p + 1 - self.control_points]
             influence[least] = 0.0
+        return first, influence
+
+    def _pulled(self, nurbs: Nurbs, t: float, first: int, influence: Array) -> Edit[Nurbs]:
         if not influence.max() > SMALLEST_INFLUENCE:
             raise EditError(
                 f"nothing is left to move at t = {t!r}: only control points that are held have "
                 "influence there; let go of them with hold_ends = false"
             )
-        rows = nurbs.points[first : first + p + 1]
+        rows = nurbs.points[first : first + len(influence)]
         way = np.asarray(self.to) - nurbs(t)
         share = influence / (influence @ influence)
         return nurbs.move_control_points(first, rows + share[:, None] * way)
+
+    def _beside_ice(self, nurbs: Nurbs, t: float, frozen: SpliceList) -> Edit[Nurbs]:
+        """Move what is free; it had better not bend the curve at the border of a frozen stretch.
+
+        Where only that would be left, knots are inserted around t, halving the spans, a few times.
+        """
+        count = nurbs.degree + 1
+        curve, splices = nurbs, SpliceList.EMPTY
+        for _ in range(REFINEMENTS):
+            first = curve.span(t) - curve.degree
+            free = ~acts_on(curve, first, count, frozen)
+            gentle = free & ~bends_at(curve, first, count, frozen)
+            first, influence = self._influence(curve, t, gentle)
+            knots = halfway_knots(curve, [t], frozen)
+            if influence.max() > ENOUGH_INFLUENCE or not knots:
+                break
+            edit = curve.insert_knots(knots)
+            curve, splices = edit.value, splices | edit.splices
+        else:
+            curve, splices = nurbs, SpliceList.EMPTY
+            first = curve.span(t) - curve.degree
+            first, influence = self._influence(curve, t, ~acts_on(curve, first, count, frozen))
+        edit = self._pulled(curve, t, first, influence)
+        return Edit(edit.value, splices | edit.splices)
 
 
 def rational_basis(nurbs: Nurbs, t: float) -> Array:
