@@ -12,7 +12,7 @@ import pytest
 
 from multirep.constraint import Constraint
 from multirep.edit import Edit
-from multirep.errors import MultirepError
+from multirep.errors import FrozenError, MultirepError
 from multirep.multirepresentation import MultiRepresentation
 from multirep.registry import validate
 from multirep.representation import Representation
@@ -33,7 +33,8 @@ class ConstraintSuite:
     Must supply
     -----------
     value : fixture
-        A representation of the kind that the constraint is about, on which it does not hold.
+        A representation of the kind that the constraint is about, on which it does not hold. (A
+        constraint that only freezes holds anywhere: any value on which it freezes something.)
     constraint : fixture
         An instance of the class under test.
 
@@ -113,6 +114,9 @@ class ConstraintSuite:
         """It is finite, not negative, the same each time, and says that something is amiss."""
         residual = constraint.residual(value)
         assert np.isfinite(residual)
+        if constraint.frozen(value):
+            assert residual == 0
+            return
         assert residual > HOLDS * value.magnitude, "supply a value on which it does not hold"
         assert constraint.residual(value) == residual
 
@@ -121,6 +125,7 @@ class ConstraintSuite:
     ) -> None:
         """Afterwards the residual is nothing in terms of the coordinates."""
         edit = self.check(value, constraint)
+        assert edit.splices or constraint.frozen(value)
         assert constraint.residual(edit.value) <= HOLDS * edit.value.magnitude
 
     def test_enforcing_stays_in_its_region(
@@ -159,6 +164,41 @@ class ConstraintSuite:
         session.undo(2)
         check_same(curve.view(type(value)), value, elements=self.elements)
         assert not session.framework.constraints("curve")
+
+    def test_what_it_freezes_stays_bit_identical(
+        self, constraint: Constraint[Any], value: Representation
+    ) -> None:
+        """Edits that reach in are refused, edits elsewhere do not change a bit of it anywhere."""
+        frozen = constraint.frozen(value)
+        if not frozen:
+            pytest.skip("freezes nothing")
+        session = Session()
+        follower = follower_of(value)
+        tolerance = self.tolerance * size_of(value)
+        curve = MultiRepresentation(value, tolerance=tolerance, kinds=[type(value), follower])
+        session.add("curve", curve)
+        session.constrain("curve", constraint)
+        assert curve.frozen.contains(frozen)
+        before = {kind: curve.view(kind) for kind in curve.kinds}
+        loopback = curve.view(follower)
+        edited = refused = 0
+        for index in range(1, loopback.size - 1, max(1, loopback.size // 16)):
+            edit = loopback.move(index, loopback.points[index] + 10 * tolerance)
+            try:
+                curve.commit(follower, edit)
+                edited += 1
+            except FrozenError:
+                refused += 1
+                assert edit.splices.intersects(curve.frozen)
+            curve.view(type(value))
+            loopback = curve.view(follower)
+        assert edited
+        assert refused
+        for kind, old in before.items():
+            for splice in frozen:
+                t = np.linspace(splice.start, splice.stop, 257)
+                np.testing.assert_array_equal(old(t), curve.view(kind)(t))
+        check_certificate(curve, elements=self.elements)
 
     # -- ways to say it ----------------------------------------------------------------------------
 
