@@ -101,13 +101,13 @@ def _checked(
         if not rises.all():
             k = int(rises.argmin())
             raise EditError(
-                f"a map of T must be monotone: the {name} parameter {values[k]!r} is followed by "
-                f"{values[k + 1]!r}"
+                f"a map of T must be monotone: the {name} parameter {float(values[k])!r} is "
+                f"followed by {float(values[k + 1])!r}"
             )
         if values[0] != start or values[-1] != stop:
             raise EditError(
                 f"a map of T leads from [{start!r}, {stop!r}] to itself; the {name} parameters run "
-                f"from {values[0]!r} to {values[-1]!r}"
+                f"from {float(values[0])!r} to {float(values[-1])!r}"
             )
     return old, new
 

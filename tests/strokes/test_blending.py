@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from multirep.strokes.blending import Rim, blended, smoothstep
+from multirep.strokes.blending import Join, Rim, blended, smoothstep
 
 
 @pytest.mark.parametrize("order", [1, 2])
@@ -20,7 +20,7 @@ def test_the_step_is_flat_at_both_ends(order: int) -> None:
 @pytest.mark.parametrize("at_start", [True, False])
 @pytest.mark.parametrize(("join", "power"), [("C0", 1), ("G1", 2), ("C2", 3)])
 def test_the_stroke_meets_its_rim_to_the_order_asked_for(
-    join: str, power: int, at_start: bool
+    join: Join, power: int, at_start: bool
 ) -> None:
     """Distance from the standing curve falls with the power; beyond the apron nothing moves."""
     rim = Rim(0.0, np.array([1.0, 2.0]), np.array([3.0, 1.0]), np.array([0.5, -4.0]))
@@ -37,7 +37,7 @@ def test_the_stroke_meets_its_rim_to_the_order_asked_for(
         rim,
         0.5,
         join,
-        at_start=at_start,  # type: ignore[arg-type]
+        at_start=at_start,
     )[order]
     if join == "G1":
         line = rim.point + sign * s[:, None] * rim.direction

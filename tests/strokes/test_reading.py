@@ -65,7 +65,7 @@ def test_pauses_change_nothing(stroke: Array, times: int) -> None:
         {"corner_window": np.inf},
     ],
 )
-def test_options_without_sense_are_refused(options: dict[str, float]) -> None:
+def test_options_without_sense_are_refused(options: dict[str, Any]) -> None:
     """The message names the option and what it may be."""
     with pytest.raises(EditError, match=next(iter(options))):
         clean_stroke([[0, 0], [1, 1]], **options)
