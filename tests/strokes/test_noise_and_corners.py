@@ -33,9 +33,10 @@ def test_planted_scatter_is_estimated(curve, noise: float, count: int) -> None: 
 @pytest.mark.parametrize("count", [20, 80, 1000])
 def test_a_smooth_stroke_has_no_noise(curve, count: int) -> None:  # type: ignore[no-untyped-def]
     """Bends are not taken for scatter, however coarse the samples; so nothing is moved."""
-    points = curve(np.linspace(0, 1, count))
-    assert estimate_noise(points) == 0.0
-    assert (clean_stroke(points).points == points).all()
+    for at in (np.linspace(0, 1, count), uneven(count)):
+        points = curve(at)
+        assert estimate_noise(points) == 0.0
+        assert (clean_stroke(points).points == points).all()
 
 
 def test_a_zigzag_is_a_drawing() -> None:
