@@ -1,8 +1,8 @@
-"""Wavelets by definition: P, G and Q as explicit matrices of exact fractions, slow and independent of the fast code.
+"""Wavelets by definition: P, G and Q as explicit matrices of exact fractions.
 
-P comes from polar forms, G from exact integrals of products of polynomial pieces, and a column of Q
-from what defines it: the vector, unique up to its length, that vanishes outside a given window of
-rows and is orthogonal to every coarse function.
+Slow, and independent of the fast code: P comes from polar forms, G from exact integrals of products
+of polynomial pieces, and a column of Q from what defines it: the vector, unique up to its length,
+that vanishes outside a given window of rows and is orthogonal to every coarse function.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ def knots(level: int) -> list[Fraction]:
 
 
 def pieces(knot_vector: list[Fraction], index: int) -> dict[Fraction, Polynomial]:
-    """Cubic B-spline ``index`` as polynomials in t, by the start of the span on which each holds."""
+    """Write cubic B-spline ``index`` as polynomials in t, by the start of their spans."""
 
     def basis(i: int, degree: int, start: Fraction) -> Polynomial:
         if degree == 0:
@@ -52,7 +52,7 @@ def pieces(knot_vector: list[Fraction], index: int) -> dict[Fraction, Polynomial
 
 @cache
 def refinement_matrix(level: int) -> Matrix:
-    """P from ``level - 1`` to ``level``: row r holds the polar forms at the inner knots of fine control point r.
+    """P from ``level - 1`` to ``level``: rows are polar forms at the inner knots of fine points.
 
     Examples
     --------
@@ -106,7 +106,7 @@ def gram_matrix(level: int) -> Matrix:
 
 @cache
 def wavelet_matrix(level: int) -> Matrix:
-    """Q from ``level - 1`` to ``level``, columns of coprime integers, each first nonzero entry signed as in the primer.
+    """Q from ``level - 1`` to ``level``: columns of coprime integers, signed as in the primer.
 
     Column k of m = 2**(level-1) vanishes outside rows max(k, 2k - 3) .. min(k + m + 3, 2k + 7), the
     smallest windows that leave room for exactly one.
@@ -142,7 +142,7 @@ def wavelet_matrix(level: int) -> Matrix:
 
 
 def _null_vector(matrix: Matrix) -> list[Fraction]:
-    """The vector, unique up to its length, that ``matrix`` maps to zero (Gauss-Jordan in fractions)."""
+    """Find the vector that ``matrix`` maps to zero, by Gauss-Jordan in fractions."""
     rows = [list(row) for row in matrix]
     columns = len(rows[0])
     pivots: list[int] = []
@@ -174,7 +174,7 @@ def floats(matrix: Matrix) -> Array:
 
 
 def decompose(points: Array) -> tuple[Array, Array]:
-    """One step of analysis by a dense solve: coarse control points, and details for the integer columns of Q.
+    """Analyse one step by a dense solve: coarse points, and details for the integer columns.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""Analysis: from the control points of a level to the coarser level and its details, by banded solves.
+"""Analysis: from control points to a coarser level and its details, by banded solves.
 
 With the columns of P and Q interleaved by their position along the curve, the square matrix [P | Q]
 is banded (five diagonals on either side), so one step costs O(n) with an LU factor that is kept for

@@ -33,7 +33,7 @@ class Frame(NamedTuple):
     after: Array
     """(3,) parameters: the knots behind it."""
     pieces: tuple[Array, Array] | None
-    """Knots (15,) and control points (11, d) of the old pieces that are joined, see :func:`frame_pieces`."""
+    """Knots (15,) and points (11, d) of the old pieces to be joined, see :func:`frame_pieces`."""
     left: bool
     """Whether the curve continues before the stretch."""
     right: bool
@@ -48,7 +48,7 @@ class Attempt(NamedTuple):
     x: Array
     """(n + 1,) the same as parameters."""
     points: Array
-    """(d, n + 3) control points about the target's origin; three at each joined end are dictated by the old curve."""
+    """(d, n + 3) control points about the target's origin; three at a joined end are dictated."""
     arguments: Array
     """(6, 3) knots that define the dictated ones."""
     nets: Array
@@ -94,7 +94,7 @@ class Problem:
 
 
 class _Stretch(NamedTuple):
-    """Everything about one set of knots that does not depend on the control points; rows run last, (.., m)."""
+    """All about one set of knots that does not depend on the control points; marks come last."""
 
     x: Array
     """(n + 1,) knots."""
@@ -105,7 +105,7 @@ class _Stretch(NamedTuple):
     starts: Indices
     """(n,), the first mark of each span."""
     basis: Array
-    """(2, 4, m): Bernstein polynomials of the span at the marks, and a third of their derivatives."""
+    """(2, 4, m): Bernstein polynomials of the spans there, and a third of their derivatives."""
     maps: Array
     """(4, 4, n): matrices from the four control points of a span to its Bernstein coefficients."""
     values: Array
@@ -136,7 +136,7 @@ def _lay_out(target: Target, u: Array, to_t: Callable[[Array], Array], frame: Fr
 
 
 def _bernstein(local: Array) -> Array:
-    """Bernstein polynomials of degree 3, and a third of their derivatives, at local parameters: (2, 4, m)."""
+    """Tabulate cubic Bernstein polynomials and a third of their derivatives, (2, 4, m)."""
     table = np.zeros((2, 4, len(local)))
     other = 1.0 - local
     square, mixed, other_square = local * local, 2.0 * local * other, other * other
@@ -152,7 +152,7 @@ def _bernstein(local: Array) -> Array:
 
 
 def _maps(x: Array, frame: Frame) -> Array:
-    """Matrices (4, 4, n) from the four control points of each span to its Bernstein coefficients."""
+    """Matrices (4, 4, n) from the control points of a span to its Bernstein coefficients."""
     count = len(x) - 1
     knots = np.concatenate((frame.before, x, frame.after))
     # Of span k: knots k+1 .. k+6 are two before it, its ends, two behind it.
@@ -179,7 +179,7 @@ def _maps(x: Array, frame: Frame) -> Array:
 
 
 def frame_pieces(left: tuple[Array, Array], right: tuple[Array, Array]) -> tuple[Array, Array]:
-    """Put the two old pieces that a stretch joins side by side, so that one call evaluates both polar forms.
+    """Put two old pieces side by side, so that one call evaluates the polar forms of both.
 
     Parameters
     ----------
@@ -198,7 +198,7 @@ def frame_pieces(left: tuple[Array, Array], right: tuple[Array, Array]) -> tuple
 
 
 def _dictate(x: Array, frame: Frame, origin: Array) -> tuple[Array, Array]:
-    """Control points (6, d) that the old pieces dictate at the joined ends, and the knots (6, 3) that define them."""
+    """Dictated control points (6, d) at the joined ends, and the knots (6, 3) that define them."""
     if frame.pieces is None:
         return np.zeros((6, len(origin))), np.zeros((6, 3))
     around = np.concatenate((frame.before[1:], x[:3], x[-3:], frame.after[:2]))
@@ -256,7 +256,8 @@ def _certify(stretch: _Stretch, nets: Array, limits: Array) -> tuple[Array, floa
     square = np.square(off).sum(axis=0)
     bound = square.max()
     allowed = np.square(limits).take(stretch.chords[:-1])
-    # A mark belongs to both pieces: where little is allowed on one side, the other side must give way.
+    # A mark belongs to both pieces: where little is allowed on one side, the other side must give
+    # way.
     square[1:-1] /= np.minimum(allowed[1:], allowed[:-1])
     square[0] /= allowed[0]
     square[-1] /= allowed[-1]

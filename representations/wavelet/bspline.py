@@ -25,7 +25,7 @@ __all__ = ["WaveletBSpline"]
 
 
 class WaveletBSpline(Representation):
-    """A cubic B-spline with two faces: control points on graded dyadic knots, and a pyramid of details.
+    """A cubic B-spline with two faces: graded dyadic control points, and a pyramid of details.
 
     The stored truth is the control points. Its knots are A + (B - A) k / 2**l, of as high a level l
     in each place as the curve needs there, so fine detail in one place costs nothing elsewhere
@@ -100,8 +100,7 @@ class WaveletBSpline(Representation):
             return Edit(self, SpliceList.EMPTY, bound)
         return Edit(self._of(graded), differences(self._graded, graded), bound)
 
-    # -- reading
-    # -------------------------------------------------------------------------------------------------
+    # -- reading -----------------------------------------------------------------------------------
 
     @property
     def knots(self) -> BlockArray:
@@ -135,7 +134,7 @@ class WaveletBSpline(Representation):
         return values.reshape(*at.shape, self.dimension)
 
     def derivative(self, t: ArrayLike, order: int = 1, side: str = "right") -> Array:
-        """Derivative by t of any order; the sides differ from the third on, at knots.
+        """Return the derivative by t of any order; at knots the sides differ from the third on.
 
         Raises
         ------
@@ -172,12 +171,11 @@ class WaveletBSpline(Representation):
             raise ToleranceError(str(error), tolerance=tolerance) from None
         return SampledSplice(t, points, bound=float(bounds.max()), chord_bounds=bounds)
 
-    # -- following a polyline
-    # ------------------------------------------------------------------------------------
+    # -- following a polyline ----------------------------------------------------------------------
 
     @classmethod
     def fit(cls, sampled: SampledSplice, *, tolerance: float, **options: Any) -> Self:
-        """Return a curve over T = ``sampled.interval`` within the allowance, with few control points.
+        """Return a curve over T = ``sampled.interval`` within the allowance; few control points.
 
         Raises
         ------
@@ -243,8 +241,7 @@ class WaveletBSpline(Representation):
             return SpliceList([self.domain.hull(other.domain)])
         return differences(self._graded, other._graded)
 
-    # -- editing control points and knots
-    # ------------------------------------------------------------------------
+    # -- editing control points and knots ----------------------------------------------------------
 
     def move_control_point(self, index: int, to: ArrayLike) -> Edit[Self]:
         """Move one graded control point; changes the four spans of its support.
@@ -261,7 +258,7 @@ class WaveletBSpline(Representation):
         return self._edit(self._graded.replaced((4, 4), nothing, (index, index + 1), row))
 
     def refine(self, interval: Interval | None = None) -> Edit[Self]:
-        """Halve every span that meets the interior of ``interval`` (default T); the curve stays as it is.
+        """Halve every span that meets the interior of ``interval`` (default T); keep the curve.
 
         Spans of the finest level that there can be (40 on [0, 1]) stay. ParameterError when the
         interval leaves T.
@@ -270,8 +267,7 @@ class WaveletBSpline(Representation):
         self.parameters([where.start, where.stop])
         return self._edit(details.halved(self._graded, where))
 
-    # -- editing the pyramid
-    # -------------------------------------------------------------------------------------
+    # -- editing the pyramid -----------------------------------------------------------------------
 
     def pyramid(self, level: int | None = None) -> Pyramid:
         """Analyse the curve into base and details.
@@ -311,7 +307,7 @@ class WaveletBSpline(Representation):
         return self._of(levels.at_level(self._graded, level))
 
     def sweep(self, t: float, to: ArrayLike, level: float) -> Edit[Self]:
-        """Move the curve at ``t`` to a point by the smallest change of the control points of a level.
+        """Move the curve at ``t`` to a point by the smallest change of points of a level.
 
         Parameters
         ----------
@@ -343,7 +339,7 @@ class WaveletBSpline(Representation):
         return self._edit(details.swept(self._graded, at, offset, level))
 
     def add_detail(self, level: int, index: int, offset: ArrayLike) -> Edit[Self]:
-        """Add to one detail coefficient: the displacement of the curve at the peak of its wavelet.
+        """Add to one detail, a displacement of the curve at the peak of its wavelet.
 
         Parameters
         ----------
@@ -372,8 +368,7 @@ class WaveletBSpline(Representation):
         present = self.pyramid(level + 1).details[level][index]
         return self.add_detail(level, index, self._point(value) - present)
 
-    # -- data
-    # ----------------------------------------------------------------------------------------------------
+    # -- data --------------------------------------------------------------------------------------
 
     def to_dict(self) -> dict[str, Any]:
         """Plain data: level, knots in T, points."""

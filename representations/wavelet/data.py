@@ -54,7 +54,7 @@ def read(data: dict[str, Any]) -> Graded:
     count = len(points)
     if count < 4 or len(knots) != count + 4:
         raise InvalidCurveError(
-            f"{count} control points need {count + 4} knots, got {len(knots)}; 4 points is the fewest"
+            f"{count} control points need {count + 4} knots, got {len(knots)}; 4 points at least"
         )
     start, stop = float(knots[0]), float(knots[-1])
     if not start < stop or (knots[:4] != start).any() or (knots[-4:] != stop).any():
@@ -82,6 +82,7 @@ def _numbers(values: Any, ndim: int, what: str) -> Array:
         raise InvalidCurveError(f"the {what} must be lists of numbers") from None
     if array.ndim != ndim or not array.size or not np.isfinite(array).all():
         raise InvalidCurveError(
-            f"the {what} must be finite numbers in {'rows' if ndim == 2 else 'a list'}, got the shape {array.shape}"
+            f"the {what} must be finite numbers in {'rows' if ndim == 2 else 'a list'}, "
+            f"got the shape {array.shape}"
         )
     return array

@@ -65,7 +65,7 @@ def _basis_at(domain: Interval, t: float, level: int) -> tuple[int, Array]:
 
 
 def _uniform_knots(domain: Interval, level: int, first: int, stop: int) -> Array:
-    """Knots that control points first..stop-1 of the uniform curve of a level depend on, stop - first + 4 of them."""
+    """Return the knots that points first..stop-1 of the uniform curve of a level depend on."""
     places = np.arange(first - 3, stop + 1)
     return parameters(np.minimum(np.maximum(places, 0), 1 << level) / (1 << level), domain)
 
@@ -112,7 +112,7 @@ def check_detail(curve: Graded, level: int, index: int) -> None:
 
 
 def added(curve: Graded, level: int, index: int, offset: Array) -> Graded:
-    """Add ``offset`` times the wavelet ``index`` from ``level`` to ``level + 1``, whose peak is 1."""
+    """Add ``offset`` times wavelet ``index`` of ``level`` to ``level + 1``, whose peak is 1."""
     check_detail(curve, level, index)
     ends, interior = columns(level + 1)
     count = 1 << level
@@ -128,7 +128,7 @@ def added(curve: Graded, level: int, index: int, offset: Array) -> Graded:
 
 
 def halved(curve: Graded, interval: Interval) -> Graded:
-    """Insert the middle of every span that meets the interior of ``interval``; the shortest that can be stay."""
+    """Insert the middle of every span that meets an interval, if it can be halved."""
     first, last = curve.span_at(interval.start), curve.span_at(interval.stop, "left")
     u = curve.u.window(first, last + 2)
     long = np.flatnonzero(u[1:] - u[:-1] > 2.0 ** -finest_level(curve.domain))

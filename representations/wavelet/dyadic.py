@@ -33,7 +33,7 @@ _ULPS = 64
 
 
 def parameters(u: Array, domain: Interval) -> Array:
-    """Map dyadic numbers from [0, 1] to T; both ends exactly, and everything exactly if T is [0, 1].
+    """Map dyadic numbers from [0, 1] to T, both ends exactly; they are T's own if T is [0, 1].
 
     Examples
     --------
@@ -109,7 +109,7 @@ def coarsest_between(low: float, high: float) -> float:
 
 
 def clusters(centres: Array, widths: Array, parts: int = 1) -> Array:
-    """Return dyadic knots (3 k,) or so at, before and behind each centre, about as far apart as the widths.
+    """Return dyadic knots (3 k,): near each centre, and about its width before and behind it.
 
     Parameters
     ----------
@@ -161,16 +161,17 @@ def levels(u: Array) -> Indices:
     # frexp of a power of two 2**k is (0.5, k + 1); of 0 it is (0, 0).
     found = np.maximum(53 - np.frexp(lowest)[1], 0)
     found[scaled == 0] = 0
-    return found.astype(np.intp)
+    exponents: Indices = found.astype(np.intp)
+    return exponents
 
 
-def level_counts(u: Array) -> Array:
-    """Count knots by level, (53,): so that the finest level of a curve is known after an edit in O(window).
+def level_counts(u: Array) -> Indices:
+    """Count knots by level, (53,); kept up to date by what an edit takes out and puts in.
 
     Examples
     --------
     >>> level_counts(np.array([0.25, 0.5, 0.75]))[:4].tolist()
     [0, 1, 2, 0]
     """
-    counts: Array = np.bincount(levels(u), minlength=53)
+    counts: Indices = np.bincount(levels(u), minlength=53)
     return counts

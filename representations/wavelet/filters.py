@@ -1,4 +1,4 @@
-"""Filters of end-interpolating cubic B-spline wavelets: the columns of P and Q, applied as stencils.
+"""Filters of end-interpolating cubic B-spline wavelets: P and Q, applied as stencils.
 
 Level j has the knots 0, 0, 0, 0, h, 2h, .., 1 - h, 1, 1, 1, 1 with h = 2**-j and so 2**j + 3
 control points. A curve of level j is one of level j - 1 plus details, ``c(j) = P(j) c(j-1) + Q(j)
@@ -97,7 +97,7 @@ _END_ROWS: dict[int, tuple[tuple[float, ...], ...]] = {
 
 
 def point_count(level: int) -> int:
-    """Number of control points of level ``level``: 2**level + 3.
+    """Return the number of control points of a level: 2**level + 3.
 
     Examples
     --------

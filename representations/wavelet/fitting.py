@@ -1,4 +1,4 @@
-"""Fit a cubic spline on graded dyadic knots to a polyline on one stretch, and prove how far it is off.
+"""Fit a cubic spline on graded dyadic knots to a polyline on one stretch, with a proof.
 
 Attempt, halve the spans on which the proof fails, repeat. A first fit is then thinned: knots of
 which the curve hardly takes notice are taken out, many at a time, as long as the proof holds.
@@ -7,8 +7,10 @@ which the curve hardly takes notice are taken out, many at a time, as long as th
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import TypeAlias
 
 import numpy as np
+import numpy.typing as npt
 
 from multirep.arrays import Array, Indices
 from multirep.errors import ToleranceError
@@ -18,6 +20,8 @@ from multirep.representations.wavelet.prediction import predict
 from multirep.representations.wavelet.target import Target
 
 __all__ = ["fit_stretch", "thinned"]
+
+Mask: TypeAlias = npt.NDArray[np.bool_]
 
 #: Of the spans that fail, only those are halved that are off by this part of the worst of their two
 #: neighbours: what a corner does to its surroundings goes away with it. Smaller halves in vain,
@@ -87,8 +91,8 @@ def fit_stretch(
     limits = target.allowances - slack
     if not limits.min() > 0.0:
         raise ToleranceError(
-            f"a tolerance of {target.allowances.min():.3g} is below the rounding of coordinates up to {magnitude:.3g}; "
-            f"the smallest that can be proved is {2 * slack:.3g}",
+            f"a tolerance of {target.allowances.min():.3g} is below the rounding of coordinates "
+            f"up to {magnitude:.3g}; the smallest that can be proved is {2 * slack:.3g}",
             tolerance=float(target.allowances.min()),
             reachable=2 * slack,
         )
@@ -102,7 +106,7 @@ def fit_stretch(
 
 
 def _halve(problem: Problem, found: Attempt, shortest: float) -> Array:
-    """Halve the spans that fail, unless a neighbour fails much more; the halves as often as is predicted."""
+    """Halve the spans that fail, unless a neighbour fails much more; and as the prediction says."""
     u, ratios = found.u, found.ratios
     around = ratios.copy()
     np.maximum(around[1:], ratios[:-1], out=around[1:])
@@ -133,8 +137,8 @@ def _unreachable(target: Target, found: Attempt) -> ToleranceError:
     where = 0.5 * float(found.x[worst] + found.x[worst + 1])
     tolerance = float(target.allowances.min())
     return ToleranceError(
-        f"cannot prove a tolerance of {tolerance:.3g} near t = {where:.6g} with the finest knots there are; "
-        f"{found.bound:.3g} is reachable",
+        f"cannot prove a tolerance of {tolerance:.3g} near t = {where:.6g} with the finest knots "
+        f"there are; {found.bound:.3g} is reachable",
         tolerance=tolerance,
         reachable=found.bound,
         where=where,
@@ -167,8 +171,7 @@ def thinned(problem: Problem, found: Attempt) -> Attempt:
         if not spared.any():
             break
         for _ in range(2):
-            keep = np.concatenate(([True], ~spared, [True]))
-            trial = problem.attempt(found.u[keep])
+            trial = problem.attempt(np.delete(found.u, np.flatnonzero(spared) + 1))
             failing = np.flatnonzero(trial.ratios > 1.0)
             if not len(failing):
                 enough = _WORTHWHILE * len(needed) > np.count_nonzero(spared)
@@ -186,8 +189,8 @@ def thinned(problem: Problem, found: Attempt) -> Attempt:
     return found
 
 
-def _sparable(found: Attempt, limit: float, needed: Array) -> Array:
-    """Whether taking each interior knot out promises to leave the deviation within the limit, (n - 1,) booleans."""
+def _sparable(found: Attempt, limit: float, needed: Mask) -> Mask:
+    """Choose interior knots, (n - 1,) booleans, that promise to be spared without failing."""
     count = len(needed)
     if count < 3:
         return np.zeros(count, dtype=bool)
@@ -204,15 +207,15 @@ def _sparable(found: Attempt, limit: float, needed: Array) -> Array:
     cost[needed] = np.inf
     padded = np.concatenate(([np.inf, np.inf], cost, [np.inf, np.inf]))
     least = np.lib.stride_tricks.sliding_window_view(padded, 5).argmin(axis=1) == 2
-    spared: Array = least & (cost <= 1.0)
+    spared: Mask = least & (cost <= 1.0)
     return spared
 
 
-def _near(knots: Array, u: Array, failing: Indices) -> Array:
+def _near(knots: Array, u: Array, failing: Indices) -> Mask:
     """Whether each of the knots lies within two spans of ``u`` from one that fails."""
     last = len(u) - 1
     low, high = u[np.maximum(failing - 2, 0)], u[np.minimum(failing + 3, last)]
     # Both ends ascend: a knot is near if more ranges have begun before it than have ended.
     begun, ended = low.searchsorted(knots), high.searchsorted(knots, "right")
-    near: Array = begun > ended
+    near: Mask = begun > ended
     return near

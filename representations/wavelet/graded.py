@@ -7,7 +7,7 @@ from typing import Literal
 import attrs
 import numpy as np
 
-from multirep.arrays import Array
+from multirep.arrays import Array, Indices
 from multirep.blocks import BlockArray
 from multirep.interval import Interval
 from multirep.representations.wavelet.dyadic import level_counts, parameters
@@ -46,7 +46,7 @@ class Graded:
     domain: Interval
     u: BlockArray
     points: BlockArray
-    counts: Array
+    counts: Indices
     magnitude: float
 
     @classmethod
@@ -74,26 +74,30 @@ class Graded:
     @property
     def all_knots(self) -> BlockArray:
         """Knots (n + 4,) in T; O(n) unless T is [0, 1]."""
-        mapped = parameters(self.u, self.domain)
-        return mapped if isinstance(mapped, BlockArray) else BlockArray.of(mapped)
+        if self.domain.start == 0.0 and self.domain.stop == 1.0:
+            return self.u
+        return BlockArray.of(parameters(np.asarray(self.u), self.domain))
 
     def knots(self, start: int, stop: int) -> Array:
         """Knots start..stop-1 as parameters in T."""
         return parameters(self.u.window(start, stop), self.domain)
 
     def span_at(self, t: float, side: Literal["left", "right"] = "right") -> int:
-        """Index k of the span with knot k <= t < knot k+1 (left: knot k < t <= knot k+1); O(log n)."""
+        """Return k with knot k <= t < knot k+1 (left: knot k < t <= knot k+1); O(log n)."""
         start, length = self.domain.start, self.domain.length
         k = self.u.searchsorted((t - start) / length, side) - 1
         k = min(max(k, 3), self.size - 1)
         if start != 0.0 or self.domain.stop != 1.0:
             # Mapping back and forth may be one off: the mapped knots decide.
-            before = (lambda knot: knot <= t) if side == "right" else (lambda knot: knot < t)
-            while k > 3 and not before(self.knots(k, k + 1)[0]):
+            while k > 3 and self._behind(k, t, side):
                 k -= 1
-            while k < self.size - 1 and before(self.knots(k + 1, k + 2)[0]):
+            while k < self.size - 1 and not self._behind(k + 1, t, side):
                 k += 1
         return k
+
+    def _behind(self, knot: int, t: float, side: Literal["left", "right"]) -> bool:
+        at = float(self.knots(knot, knot + 1)[0])
+        return at > t or (side == "left" and at == t)
 
     def window(self, first: int, last: int) -> tuple[Array, Array]:
         """Knots and control points that the spans first..last depend on: a spline of its own."""
@@ -121,7 +125,7 @@ class Graded:
     def replaced(
         self, knots: tuple[int, int], u: Array, points: tuple[int, int], rows: Array
     ) -> Graded:
-        """Return the curve with ``u`` for the interior knots of one range, ``rows`` for the points of another.
+        """Return the curve with ``u`` for one range of its knots, ``rows`` for one of its points.
 
         O(window): blocks outside are shared. Fourfold end knots in ``u`` must be all or none of
         each.

@@ -27,12 +27,12 @@ _SLIVER = 2.0**-8
 
 
 def tight(curve: Graded) -> float:
-    """Distance of the guarding knots, in [0, 1]: four of the shortest spans, so that nothing else makes two of them."""
+    """Return the distance of guarding knots: four shortest spans; nothing else makes two of it."""
     return 2.0 ** (2 - finest_level(curve.domain))
 
 
 def is_guarded(curve: Graded, knot: int, side: int) -> bool:
-    """Whether two guarding knots stand before (side -1) or behind (side 1) the knot of this index."""
+    """Whether two guarding knots stand before (side -1) or behind (side 1) a knot."""
     if not 4 <= knot < curve.size:
         return False
     u = curve.u.window(knot - 2, knot + 1) if side < 0 else curve.u.window(knot, knot + 3)
@@ -80,7 +80,7 @@ def held(curve: Graded, interval: Interval, keep: SpliceList) -> tuple[Graded, I
 
 
 def _outside(curve: Graded, end: float, side: int, keep: SpliceList) -> tuple[float, bool]:
-    """Move an end outward until guarding it changes not a bit of what is kept; True if it is guarded there.
+    """Move an end outward until guarding it changes no bit that is kept; True if it is guarded.
 
     With m the last parameter kept and knots k < m <= k + 1, what acts before m reads no knot beyond
     k + 3.

@@ -101,7 +101,7 @@ def predict(
 
 @cache
 def _projection() -> tuple[Array, Array]:
-    """Projections (26, 13) of samples onto what no cubic and no quintic explains; the places (13, 1) in [0, 1]."""
+    """Return projections (26, 13) onto what no cubic, no quintic explains; the places (13, 1)."""
     places = np.linspace(0.0, 1.0, _SAMPLES)[:, None]
     projections = []
     for degree, factor in ((3, 1.0), (5, _CORNER)):

@@ -1,4 +1,4 @@
-"""The pyramid: a base curve of four control points and details, level by level (Finkelstein-Salesin 1994)."""
+"""The pyramid: a base of four control points and details by level (Finkelstein-Salesin 1994)."""
 
 from __future__ import annotations
 
@@ -113,11 +113,11 @@ class Pyramid:
         return points
 
     def truncated(self, level: int) -> Pyramid:
-        """Return the pyramid without the details above ``level``: the best L2 approximation there."""
+        """Return the pyramid without the details above ``level``: the best approximation in L2."""
         if not 0 <= level <= self.level:
             raise EditError(f"the pyramid has the levels 0 to {self.level}, asked for {level}")
         return attrs.evolve(self, details=self.details[:level])
 
     def unit_details(self, level: int) -> Array:
-        """Details from ``level`` to ``level + 1`` for wavelets of unit L2 norm on [0, 1], (2**level, d)."""
+        """Return details (2**level, d) for wavelets of unit L2 norm on [0, 1], as in the primer."""
         return self.details[level] * unit_scale(level + 1)[:, None]

@@ -19,9 +19,9 @@ if TYPE_CHECKING:
 
 __all__ = ["APRON_SPANS", "shown", "smoothed"]
 
-#: Details fade out over so many spans of the level: over about their longest wave, so that the
+#: Details fade out over so many spans of the level: over their longest wave, so that the
 #: transition itself is no detail.
-APRON_SPANS = 4
+APRON_SPANS = 2
 
 
 def smoothed(
@@ -39,7 +39,7 @@ def smoothed(
         What remains is :meth:`WaveletBSpline.at_level`. From the finest level of the curve on
         nothing is taken away.
     interval : Interval, optional
-        Where; default T. Over an apron of four spans of the level at each of its ends inside T, at
+        Where; default T. Over an apron of two spans of the level at each of its ends inside T, at
         most a third of it, the details go from full to none.
     frozen : SpliceList
         Where nothing may change: taken out of the interval, with aprons of its own.

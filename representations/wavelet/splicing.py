@@ -77,8 +77,14 @@ def fit(sampled: SampledSplice, *, tolerance: float) -> tuple[Graded, float]:
     target = Target.of(sampled, tolerance)
     ends = np.array([domain.start, domain.stop])
     frame = Frame(ends[[0, 0, 0]], ends[[1, 1, 1]], None, False, False)
-    ends = np.array([0.0]), np.array([1.0])
-    fitted = _fit(target, ends, domain, frame, float(np.abs(sampled.points).max()), thin=True)
+    fitted = _fit(
+        target,
+        (np.array([0.0]), np.array([1.0])),
+        domain,
+        frame,
+        float(np.abs(sampled.points).max()),
+        thin=True,
+    )
     return Graded.of(domain, clamped(fitted.u), fitted.points.T + target.origin), fitted.bound
 
 
@@ -109,7 +115,8 @@ def splice(curve: Graded, sampled: SampledSplice, *, tolerance: float) -> tuple[
         raise ParameterError(f"the splice {interval} leaves the domain {curve.domain}")
     if sampled.dimension != curve.points.shape[1]:
         raise InvalidCurveError(
-            f"a splice in {sampled.dimension} coordinates does not fit a curve in {curve.points.shape[1]}"
+            f"a splice in {sampled.dimension} coordinates does not fit a curve "
+            f"in {curve.points.shape[1]}"
         )
     target = Target.of(sampled, tolerance)
     first, last = curve.span_at(interval.start), curve.span_at(interval.stop, "left")
@@ -152,7 +159,7 @@ def _stop(curve: Graded, target: Target, b: float, span: int) -> _End:
 
 
 def _lead_in(curve: Graded, target: Target, end: float, span: int, *, forwards: bool) -> _End:
-    """Find a dyadic number near ``end`` up to which the old piece is proved to be within the allowances."""
+    """Find a dyadic number near ``end`` to which the old piece is proved to keep the allowances."""
     knots, points = curve.window(span, span)
     t, domain = target.t, curve.domain
     chord = 0 if forwards else -1
@@ -193,15 +200,15 @@ def _lead_in(curve: Graded, target: Target, end: float, span: int, *, forwards: 
 def _gap_error(target: Target, end: float, gap: float, chord: int) -> ToleranceError:
     allowance = float(target.allowances[chord])
     return ToleranceError(
-        f"at t = {end:.6g}, where the splice must join the curve outside, that is {gap:.3g} from the samples already; "
-        f"{allowance:.3g} is allowed and the rest of it too little to lead in",
+        f"at t = {end:.6g}, where the splice must join the curve outside, that is {gap:.3g} from "
+        f"the samples already; {allowance:.3g} is allowed and the rest of it too little to lead in",
         tolerance=allowance,
         where=end,
     )
 
 
 def _frame(curve: Graded, start: _End, stop: _End, origin: Array) -> tuple[Frame, Array, Array]:
-    """Cut out the surroundings; also the inner knots (6, 3) and points (6, d) of the control points to keep if unmoved."""
+    """Cut out the surroundings, and inner knots (6, 3) and rows (6, d) to keep if they stay."""
     before = curve.knots(start.span - 2, start.span + 1)
     after = curve.knots(stop.span + 1, stop.span + 4)
     if not (start.joined or stop.joined):
@@ -218,7 +225,7 @@ def _frame(curve: Graded, start: _End, stop: _End, origin: Array) -> tuple[Frame
 
 
 def _knots_to_keep(curve: Graded, start: _End, stop: _End) -> tuple[Array, Array]:
-    """Ends of the free stretch, each with the two old knots next to it inside, if it is a knot and there are enough.
+    """Return the ends of the free stretch, each with the two old knots that follow it inside.
 
     With these in place the dictated control points need not change.
     """
@@ -274,8 +281,8 @@ def _fit(
         u = np.sort(np.concatenate((u, halves(u[:-1], u[1:]))))
     if (u[1:] - u[:-1]).min() < shortest:
         raise ToleranceError(
-            f"near the ends of the splice [{target.t[0]:.17g}, {target.t[-1]:.17g}] knots finer than the finest "
-            f"on T = {domain} would be needed"
+            f"near the ends of the splice [{target.t[0]:.17g}, {target.t[-1]:.17g}] knots finer "
+            f"than the finest on T = {domain} would be needed"
         )
     more = predict(target, u[:-1], u[1:], shortest, to_t)
     u = np.concatenate((first[:-1], u, more, last[1:]))
@@ -284,7 +291,7 @@ def _fit(
 
 
 def _first_spans(target: Target, ends: Array, frame: Frame) -> tuple[float, float]:
-    """How long the first and the last span may be, so that the curve can turn from the old pieces to the target.
+    """Return how long the first and last span may be for the curve to turn to the target.
 
     As far as the old piece, continued, departs from the target by 3/2 of the room there is: a curve
     that leaves it with all derivatives but the third is off by 0.6 s h on spans of length h if the

@@ -21,7 +21,7 @@ _WIDTH = 2.5
 
 
 class Target(NamedTuple):
-    """The polyline L of a sampled splice, ready for many evaluations; coordinates come first, (d, ...).
+    """The polyline L of a sampled splice, ready for many evaluations; coordinates come first.
 
     Examples
     --------
@@ -42,7 +42,7 @@ class Target(NamedTuple):
     origin: Array
     """(d,), a vertex; fits keep their digits however far the curve is from zero."""
     corners: Array
-    """(c,) parameters of the vertices that no knots as far apart as the chords beside them can follow."""
+    """(c,) parameters of vertices so sharp that they need knots much closer than the chords."""
     widths: Array
     """(c,), how far from its corner a knot on either side may be."""
 
@@ -65,7 +65,7 @@ class Target(NamedTuple):
         return cls(t, points, slopes, allowances, origin, t.take(found + 1), widths)
 
     def at(self, t: Array) -> tuple[Array, Indices]:
-        """L relative to the origin, (d, *t.shape), and the chord at each t; a vertex belongs to the next chord."""
+        """Return L about the origin, (d, *t.shape), and chords; a vertex belongs to the next."""
         chords = self.t.searchsorted(t, side="right")
         chords -= 1
         np.minimum(chords, len(self.allowances) - 1, out=chords)

@@ -1,4 +1,4 @@
-"""From the graded curve to the uniform curve of one level: exactly, or as the best approximation in L2."""
+"""From the graded curve to the uniform curve of one level, exactly or as the nearest in L2."""
 
 from __future__ import annotations
 

@@ -30,7 +30,7 @@ def curve(dimension: int = 2, domain: tuple[float, float] = (0.0, 1.0)) -> Wavel
 @pytest.mark.parametrize("domain", [(0.0, 1.0), (-3.0, 4.0), (1e6, 1e6 + 1.0)])
 @given(place=st.integers(0, 64), level=st.integers(0, 48))
 def test_sweeps_land_on_their_target(dimension, domain, place, level):
-    """At any place and any level, whole or not, the curve passes through the target up to rounding."""
+    """At any place and any level, whole or not, the curve passes through the target."""
     value = curve(dimension, domain)
     t = domain[0] + place / 64 * (domain[1] - domain[0])
     to = value(t) + 0.3
@@ -63,7 +63,7 @@ def test_a_sweep_leaves_finer_details_and_everything_outside_alone(level):
     """Seven spans change at most; the details above the level stay within rounding."""
     value = curve()
     t, h = 0.3, 2.0**-level
-    edit = value.sweep(t, value(t) + [0.1, 0.2], level)
+    edit = value.sweep(t, value(t) + np.array([0.1, 0.2]), level)
     first = np.floor(t / h)
     far = np.r_[np.linspace(0, (first - 3) * h, 200), np.linspace((first + 4) * h, 1, 200)]
     far = far[(far >= 0) & (far <= 1)]

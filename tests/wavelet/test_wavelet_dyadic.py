@@ -70,9 +70,7 @@ def test_coarsest_between_is_the_only_one_of_its_level(a, b):
         assert math.ceil(low / coarser) * coarser > high
 
 
-@given(
-    st.lists(st.floats(0.01, 0.99), min_size=1, max_size=8), st.floats(2.0**-36, 2.0**-5)
-)
+@given(st.lists(st.floats(0.01, 0.99), min_size=1, max_size=8), st.floats(2.0**-36, 2.0**-5))
 def test_clusters_stand_near_their_centres(centres, width):
     """Three knots to a centre, exact, each within half a width of its place."""
     found = clusters(np.array(centres), np.full(len(centres), width)).reshape(3, -1)

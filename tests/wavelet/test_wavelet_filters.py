@@ -23,7 +23,7 @@ from multirep.representations.wavelet.filters import (
 from multirep.testing import reference_wavelets as reference
 
 FACTS = json.loads((Path(__file__).parent / "wavelets.json").read_text())
-LEVELS = (1, 2, 3, 4, 5)
+LEVELS = [1, 2, 3, 4, 5]
 
 
 def uniform_knots(spans: int) -> np.ndarray:
@@ -68,7 +68,7 @@ def test_refining_any_number_of_spans_keeps_the_curve(spans):
     assert np.abs(before - after).max() < 1e-13
 
 
-@pytest.mark.parametrize("level", (*LEVELS, 6))
+@pytest.mark.parametrize("level", [*LEVELS, 6])
 def test_columns_of_q_are_the_exact_integers_scaled(level):
     """Every column is its column of coprime integers divided by one number."""
     exact = reference.floats(reference.wavelet_matrix(level))
@@ -77,7 +77,7 @@ def test_columns_of_q_are_the_exact_integers_scaled(level):
     assert (np.abs(fast * ratio - exact) <= 4e-16 * np.abs(exact).max(axis=0)).all()
 
 
-@pytest.mark.parametrize("level", (*LEVELS, 6))
+@pytest.mark.parametrize("level", [*LEVELS, 6])
 def test_integer_columns_are_orthogonal_to_everything_coarser_exactly(level):
     """The transposed P times G times Q is zero in exact arithmetic."""
     p, g = reference.refinement_matrix(level), reference.gram_matrix(level)
@@ -99,7 +99,7 @@ def test_integer_columns_are_orthogonal_to_everything_coarser_exactly(level):
         )
 
 
-@pytest.mark.parametrize("level", (*LEVELS, 6))
+@pytest.mark.parametrize("level", [*LEVELS, 6])
 def test_every_wavelet_has_peak_one(level):
     """The curve of one unit detail reaches 1 somewhere and never more."""
     curve = BSpline(uniform_knots(1 << level), wavelets(level), 3)
@@ -119,7 +119,7 @@ def test_unit_scale_is_the_norm_on_the_unit_interval(level):
 
 
 def test_scaled_columns_agree_with_the_printed_primer():
-    """The published decimals are our columns under the published factor, to the last printed digit."""
+    """The published decimals are our columns under the published factor, to the last digit."""
     published = FACTS["published_check"]
     factor = np.sqrt(5 * 2.0**4 / 675221664)
     for place, name in enumerate(("col0", "col1", "col2")):

@@ -120,9 +120,11 @@ def test_a_corner_needs_three_knots(sharpness, most):
 
 
 def test_a_spike_of_two_chords_is_followed():
-    """Two chords up and down within 2e-9 of T take knots of a level above 30 there, and few of them."""
+    """Two chords up and down within 2e-9 of T take few knots, above level 30."""
     t = np.array([0, 0.3, 0.3 + 1e-9, 0.3 + 2e-9, 1])
-    fitted = WaveletBSpline.fit(SampledSplice(t, np.array([0, 0, 1, 0, 0.0])[:, None]), tolerance=1e-2)
+    fitted = WaveletBSpline.fit(
+        SampledSplice(t, np.array([0, 0, 1, 0, 0.0])[:, None]), tolerance=1e-2
+    )
     assert fitted.level > 30
     assert fitted.size < 30
     assert fitted(t[2]) == pytest.approx(1.0, abs=1e-2)

@@ -80,7 +80,7 @@ def test_sixteen_levels_come_back_within_rounding(kind):
 
 
 def test_details_do_not_see_where_the_origin_is():
-    """Moving a curve far away moves its base and changes no detail by more than the input's rounding."""
+    """Moving a curve far away moves its base, and details by rounding alone."""
     points = np.array(WORKED["input"], dtype=float)
     near, far = Pyramid.of(points), Pyramid.of(points + 2.0**30)
     for a, b in zip(near.details, far.details, strict=True):
@@ -110,7 +110,7 @@ def test_levels_are_orthogonal():
 
 
 def test_analysis_of_a_local_change_decays_as_published():
-    """A unit move of one of 4099 control points leaves the published number of details above 1e-15."""
+    """A unit move of one of 4099 points leaves the published number of details above 1e-15."""
     points = np.zeros((4099, 1))
     points[2050] = 1.0
     for level, moved, details in FACTS["locality_fixture"]["values"]:

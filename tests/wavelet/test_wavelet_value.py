@@ -142,7 +142,7 @@ def test_above_its_level_a_curve_has_no_details():
 
 @pytest.mark.parametrize("level", [0, 3, 6])
 def test_coarse_pyramids_are_least_squares_projections(level):
-    """Below its finest level: scipy's least squares with dense samples agrees, and so does analysis."""
+    """Below its finest level: scipy's least squares agrees, and so does analysis."""
     value = graded(7)
     projected = value.pyramid(level).control_points()
     analysed = value.pyramid().control_points(level)
@@ -156,9 +156,11 @@ def test_coarse_pyramids_are_least_squares_projections(level):
 
 
 def test_a_deep_curve_is_projected_in_linear_time():
-    """Knots of level 30 in one place; the pyramid of level 16 is within that detail of the curve."""
+    """Knots of level 30 in one place; the pyramid of level 16 leaves only that detail out."""
     t = np.array([0, 0.3, 0.3 + 1e-8, 1])
-    value = WaveletBSpline.fit(SampledSplice(t, np.array([[0, 0], [1, 0], [1, 1e-3], [0, 1]])), tolerance=1e-4)
+    value = WaveletBSpline.fit(
+        SampledSplice(t, np.array([[0, 0], [1, 0], [1, 1e-3], [0, 1]])), tolerance=1e-4
+    )
     assert value.level > 16
     pyramid = value.pyramid()
     assert pyramid.level == 16
