@@ -11,7 +11,14 @@ import pytest
 from multirep.representations import Polyline
 from multirep.testing import ToolSuite
 from multirep.tool import Tool
-from multirep.tools import DeleteVertex, InsertVertex, MoveVertex, Spatula
+from multirep.tools import (
+    DeleteVertex,
+    InsertVertex,
+    MoveVertex,
+    Oversketch,
+    Sketch,
+    Spatula,
+)
 
 NAN, INF = float("nan"), float("inf")
 
@@ -113,3 +120,44 @@ class TestSpatula(PolylineToolSuite):
     @pytest.fixture
     def refused(self) -> Sequence[Tool[Any]]:
         return [Spatula(radius=0.25, path=[[0.0, 0.0, 0.0]])]
+
+
+class TestSketch(PolylineToolSuite):
+    malformed: ClassVar = [
+        {},
+        {"stroke": [[0, 0], [1, NAN]]},
+        {"stroke": [[0, 0], [1, 0]], "strokes": [[[0, 0], [1, 0]]]},
+        {"stroke": [[0, 0], [1, 0]], "noise": -1.0},
+        {"stroke": [[0, 0], [1, 0]], "corner_angle": 0.0},
+    ]
+
+    @pytest.fixture
+    def tool(self) -> Sketch:
+        t = np.linspace(0, 1, 40)
+        return Sketch(stroke=np.column_stack([4 * t, 1 + np.cos(5 * t)]).tolist())
+
+    @pytest.fixture
+    def refused(self) -> Sequence[Tool[Any]]:
+        return [Sketch(stroke=[[0, 0, 0], [1, 0, 0]]), Sketch(stroke=[[1, 1], [1, 1]])]
+
+
+class TestOversketch(PolylineToolSuite):
+    malformed: ClassVar = [
+        {},
+        {"stroke": [[0, 0], [1, NAN]]},
+        {"stroke": [[0, 0], [1, 0]], "join": "G7"},
+        {"stroke": [[0, 0], [1, 0]], "apron": -1.0},
+    ]
+
+    @pytest.fixture
+    def tool(self) -> Oversketch:
+        t = np.linspace(1.0, 2.5, 40)
+        bump = 0.3 * np.sin(np.pi * (t - 1) / 1.5)
+        return Oversketch(stroke=np.column_stack([t, np.sin(1.5 * t) + bump]).tolist())
+
+    @pytest.fixture
+    def refused(self) -> Sequence[Tool[Any]]:
+        return [
+            Oversketch(stroke=[[0, 0, 0], [1, 0, 0]]),
+            Oversketch(stroke=[[100.0, 100.0], [101.0, 100.0]]),
+        ]
