@@ -1,13 +1,17 @@
 """What one would write with scipy alone: move a vertex, then refit both splines from the polyline.
 
-Both fits are least squares (``make_lsq_spline`` by normal equations, the fastest that scipy has)
-against samples of the polyline, verified between its vertices too, and repeated with more knots
-until they are within the tolerance: the free spline splits the spans that fail, the uniform one
-doubles its knots. Nothing is kept from one step to the next.
+Two programs. Both fit a spline with uniform dyadic knots by least squares (``make_lsq_spline`` by
+normal equations, the fastest that scipy has), doubling the knots. For the spline with free knots
+the *quick* one does likewise and halves the spans that fail, which takes twice the control points;
+the *frugal* one calls ``splprep`` with less and less smoothing. Every fit is verified against the
+polyline between its vertices, too, and against more samples of it if need be. Nothing is kept from
+one step to the next.
 """
 
 from __future__ import annotations
 
+import warnings
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -21,6 +25,10 @@ FIRST_LEVEL = 4
 SAMPLES = 6
 #: Attempts; a smooth curve takes about ten.
 ATTEMPTS = 40
+#: Root mean square distances that the frugal program tries, in tolerances.
+SMOOTHING = (1 / 3, 1 / 4, 1 / 6, 1 / 9)
+#: Samples between vertices that it tries.
+BETWEEN = (0, 1, 3, 7)
 
 
 @frozen
@@ -33,14 +41,30 @@ class Refit:
     uniform_error: float
 
 
-def refit(t: Array, points: Array, tolerance: float) -> Refit:
-    """Fit a spline with free knots and one with uniform dyadic knots, both within ``tolerance``."""
-    free, free_error = _fit(t, points, tolerance, uniform=False)
-    uniform, uniform_error = _fit(t, points, tolerance, uniform=True)
-    return Refit(free, uniform, free_error, uniform_error)
+def quick(t: Array, points: Array, tolerance: float) -> Refit:
+    """Split spans for the free spline."""
+    return Refit(*_pairs(_split(t, points, tolerance), _split(t, points, tolerance, uniform=True)))
 
 
-def _fit(t: Array, points: Array, tolerance: float, *, uniform: bool) -> tuple[int, float]:
+def frugal(t: Array, points: Array, tolerance: float) -> Refit:
+    """Call ``splprep`` for the free spline; if nothing reaches the tolerance, the best that did."""
+    free = _smoothed(t, points, tolerance)
+    return Refit(*_pairs(free, _split(t, points, tolerance, uniform=True)))
+
+
+PROGRAMS: dict[str, Callable[[Array, Array, float], Refit]] = {
+    "eager, quick": quick,
+    "eager, frugal": frugal,
+}
+
+
+def _pairs(free: tuple[int, float], uniform: tuple[int, float]) -> tuple[int, int, float, float]:
+    return free[0], uniform[0], free[1], uniform[1]
+
+
+def _split(
+    t: Array, points: Array, tolerance: float, *, uniform: bool = False
+) -> tuple[int, float]:
     marks = np.linspace(t[0], t[-1], 2**FIRST_LEVEL + 1)
     for _ in range(ATTEMPTS):
         steps = np.arange(SAMPLES) / SAMPLES
@@ -67,13 +91,38 @@ def _fit(t: Array, points: Array, tolerance: float, *, uniform: bool) -> tuple[i
 def _least_squares(x: Array, y: Array, marks: Array) -> Any:
     from scipy.interpolate import make_lsq_spline
 
-    knots = np.concatenate(
-        [marks[:1], marks[:1], marks[:1], marks, marks[-1:], marks[-1:], marks[-1:]]
-    )
+    knots = np.concatenate([[marks[0]] * 3, marks, [marks[-1]] * 3])
     try:
         return make_lsq_spline(x, y, knots, k=3, method="norm-eq")
     except TypeError:  # an older scipy knows one method only
         return make_lsq_spline(x, y, knots, k=3)
+
+
+def _smoothed(t: Array, points: Array, tolerance: float) -> tuple[int, float]:
+    from scipy.interpolate import splev, splprep
+
+    best = (0, np.inf)
+    for between in BETWEEN:
+        x = _subdivided(t, between)
+        y = _on(t, points, x)
+        middles = 0.5 * (x[1:] + x[:-1])
+        for part in SMOOTHING:
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore")
+                tck, _ = splprep(y.T, u=x, s=len(x) * (part * tolerance) ** 2, k=3)
+            seen = np.stack(splev(x, tck), axis=1) - y
+            inner = np.stack(splev(middles, tck), axis=1) - 0.5 * (y[1:] + y[:-1])
+            error = float(np.sqrt(max((seen**2).sum(1).max(), (inner**2).sum(1).max())))
+            if error < best[1]:
+                best = len(tck[0]) - 4, error
+            if error <= tolerance:
+                return best
+    return best
+
+
+def _subdivided(t: Array, between: int) -> Array:
+    steps = np.arange(between + 1) / (between + 1)
+    return np.append((t[:-1, None] + steps * np.diff(t)[:, None]).ravel(), t[-1])
 
 
 def _on(t: Array, points: Array, at: Array) -> Array:
