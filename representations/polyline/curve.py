@@ -26,6 +26,7 @@ from multirep.representations.polyline.validation import (
     checked_points,
     checked_row,
     checked_rows,
+    two_distinct,
 )
 from multirep.sampled import SampledSplice
 from multirep.splices import SpliceList
@@ -376,7 +377,7 @@ class Polyline(Representation):
     def _edit(
         self, t: BlockArray, points: BlockArray, splices: SpliceList, bound: float = 0.0
     ) -> Edit[Self]:
-        if not _two_distinct(points):
+        if not two_distinct(points):
             raise EditError(
                 "all vertices would fall into one point; a curve needs two distinct ones"
             )
@@ -394,11 +395,3 @@ class Polyline(Representation):
                 f"there is no vertex {index}: this polyline has vertices 0 to {self.size - 1}"
             )
         return index
-
-
-def _two_distinct(points: BlockArray) -> bool:
-    """Whether not all points are the same one; looks at the ends first."""
-    first = points[0]
-    return bool(
-        (points[-1] != first).any() or any((block != first).any() for block in points.blocks)
-    )

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from multirep.arrays import Array, ArrayLike
+from multirep.blocks import BlockArray
 from multirep.errors import EditError, InvalidCurveError
 
 #: Largest |coordinate|: squares of differences, summed over coordinates, stay finite.
@@ -93,3 +94,11 @@ def checked_row(point: ArrayLike, dimension: int) -> Array:
     if row.ndim != 1:
         raise EditError(f"a vertex needs {dimension} numbers, got an array of shape {row.shape}")
     return checked_rows(row[None], dimension)
+
+
+def two_distinct(points: BlockArray) -> bool:
+    """Whether not all points are the same one; looks at the ends first."""
+    first = points[0]
+    if (points[-1] != first).any():
+        return True
+    return any(bool((block != first).any()) for block in points.blocks)

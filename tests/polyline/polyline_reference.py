@@ -1,12 +1,22 @@
-"""Slow definitions of what the polyline does, on flat arrays, and the law behind every edit."""
+"""Slow definitions of what the polyline does, the law behind every edit, and tiny blocks."""
 
 from __future__ import annotations
 
-import numpy as np
+from collections.abc import Iterator
 
+import numpy as np
+import pytest
+
+from multirep import blocks
 from multirep.arrays import Array
 from multirep.edit import Edit
-from multirep.representations.polyline import Polyline
+from multirep.representations.polyline import (
+    Polyline,
+    boxes,
+    differences,
+    evaluation,
+    proximity,
+)
 from multirep.sampled import SampledSplice
 
 
@@ -63,3 +73,15 @@ def _inside(edit: Edit[Polyline], s: float) -> bool:
     """Whether a parameter lies in the interior of the splices (relative to the domain)."""
     a, b = edit.value.domain
     return any(x < s < y or (s == a == x) or (s == b == y) for x, y in map(tuple, edit.splices))
+
+
+@pytest.fixture
+def tiny_blocks() -> Iterator[None]:
+    """Blocks of 8 rows and leaves of 3, so that short curves have many."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(blocks, "BLOCK_ROWS", 8)
+        patch.setattr(boxes, "LEAF", 3)
+        patch.setattr(proximity, "LEAF", 3)
+        patch.setattr(differences, "NARROW", 4)
+        patch.setattr(evaluation, "NARROW", 4)
+        yield

@@ -8,6 +8,7 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 from polyline_reference import check_edit, distance_on_chords, values
+from polyline_reference import tiny_blocks as tiny_blocks
 
 from multirep.arrays import Array
 from multirep.errors import InvalidCurveError, ParameterError, ToleranceError

@@ -10,6 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from polyline_reference import dense, values
+from polyline_reference import tiny_blocks as tiny_blocks
 
 from multirep.arrays import Array
 from multirep.errors import InvalidCurveError, ParameterError
