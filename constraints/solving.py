@@ -1,7 +1,8 @@
 """Meeting many linear conditions on a NURBS at once, by the smallest change of control points.
 
-Only the control points that act where a condition is broken may move; every condition that they
-act on is a row of the system, broken or not, so nothing that held is lost. The ends of the curve
+Only the control points that act where a condition is broken may move, and a few rings around them
+if these are too few; every condition that they act on is a row of the system, broken or not, so
+nothing that held is lost. The ends of the curve
 and the direction in which it leaves a frozen stretch stay if possible. Where the rows leave too
 little freedom, knots are inserted around their parameters and the solve is tried again, a few
 times; conditions that still cannot be told apart are a conflict.
@@ -33,8 +34,14 @@ LEAST = 1e-3
 REFINEMENTS = 6
 #: Two targets of one condition are the same within this part of the largest coordinate.
 SAME = 1e-12
-#: What counts as met, likewise: it only keeps rounding from being "corrected".
+#: What counts as met, likewise: it only keeps rounding from being "corrected". It is also what a
+#: control point must contribute to a row, in terms of its largest entry, to act there.
 MET = 1e-14
+#: A control point that would move by no more than this, likewise, stays.
+STILL = 2.0**-52
+#: How far the freedom may spread along a chain of conditions, from those that are broken to those
+#: whose control points they share. More rarely helps: the share falls off with every one.
+RINGS = 4
 
 Named = tuple[str, Condition]
 
@@ -42,7 +49,8 @@ Named = tuple[str, Condition]
 def solved(curve: Nurbs, named: Sequence[Named], scene: Scene) -> Edit[Nurbs]:
     """Return an edit that meets all conditions; each comes with the name of its constraint.
 
-    What the tool asked for (``scene.aims``) is kept as well where that is possible.
+    What the tool asked for (``scene.aims``) is kept as well where that is possible, and so is the
+    place of a point of which only the direction is told.
 
     Raises
     ------
@@ -50,9 +58,9 @@ def solved(curve: Nurbs, named: Sequence[Named], scene: Scene) -> Edit[Nurbs]:
     """
     value, splices = _with_corners(curve, [c for _, c in named if c.breaks], scene.frozen)
     wanted = _merged(value, named)
-    aims = _aimed(value, scene.aims, wanted)
-    found = _attempted(value, [*wanted, *aims], scene.frozen)
-    if aims and not isinstance(found, Edit):
+    kept = [*_aimed(value, scene.aims, wanted), *_standing(value, wanted)]
+    found = _attempted(value, [*wanted, *kept], scene.frozen)
+    if kept and not isinstance(found, Edit):
         found = _attempted(value, wanted, scene.frozen)
     if isinstance(found, Edit):
         return Edit(found.value, splices | found.splices)
@@ -138,6 +146,16 @@ def _aimed(curve: Nurbs, aims: Iterable[Aim], wanted: Sequence[Named]) -> list[N
     return found
 
 
+def _standing(curve: Nurbs, wanted: Sequence[Named]) -> list[Named]:
+    """Conditions, without a name, that keep the curve in place where only its direction is told.
+
+    Without them a turned tangent drags the point along (NURBS book, figure 11.36b and c).
+    """
+    points = {c.t for _, c in wanted if c.order == 0}
+    slopes = {c.t for _, c in wanted if c.order == 1}
+    return [("", Condition(t, 0, tuple(curve(t).tolist()))) for t in sorted(slopes - points)]
+
+
 def _attempted(
     curve: Nurbs, named: Sequence[Named], frozen: SpliceList
 ) -> Edit[Nurbs] | list[Named]:
@@ -180,30 +198,47 @@ def _met(
     broken = system.missed > MET * curve.magnitude
     if not broken.any():
         return Edit(curve, SpliceList.EMPTY)
-    movable = _movable(system, broken)
-    concerned = movable[system.starts[:, None] + np.arange(system.rows.shape[1])].any(axis=1)
-    free = movable & ~acts_on(curve, system.first, len(movable), frozen)
-    _check_ice(system, broken, free, named, frozen)
+    columns = system.starts[:, None] + np.arange(system.rows.shape[1])
+    acting = np.abs(system.rows) > MET * np.abs(system.rows).max(axis=1, keepdims=True)
+    allowed = ~acts_on(curve, system.first, len(system.points), frozen)
+    _check_ice(system, broken, allowed, named, frozen)
     if gentle:
-        free &= ~_better_left(curve, system, conditions, frozen)
-    found = _solve(system, concerned, free)
-    if found.quality < enough:
-        return [named[k] for k in np.flatnonzero(concerned)[found.culprits].tolist()]
-    edit = curve.move_control_points(system.first, system.points + found.change)
-    # Once more for what rounding has left.
+        allowed &= ~_better_left(curve, system, conditions, frozen)
+    moving = broken
+    for _ in range(RINGS):
+        movable = np.zeros(len(system.points), dtype=bool)
+        movable[columns[moving][acting[moving]]] = True
+        concerned = (movable[columns] & acting).any(axis=1)
+        found = _solve(system, concerned, movable & allowed)
+        if found.quality >= enough:
+            return _moved(curve, system, found, conditions, concerned, movable & allowed)
+        if (concerned == moving).all():
+            break
+        moving = concerned
+    return [named[k] for k in np.flatnonzero(concerned)[found.culprits].tolist()]
+
+
+def _moved(
+    curve: Nurbs,
+    system: Rows,
+    found: LeastNorm,
+    conditions: Sequence[Condition],
+    concerned: Flags,
+    free: Flags,
+) -> Edit[Nurbs]:
+    """Move the control points, and once more for what rounding has left."""
+    edit = _shifted(curve, system, found)
     again = Rows.of(edit.value, conditions)
     if again.missed.max() <= MET * curve.magnitude:
         return edit
-    change = _solve(again, concerned, free).change
-    return _after(edit, edit.value.move_control_points(again.first, again.points + change))
+    return _after(edit, _shifted(edit.value, again, _solve(again, concerned, free)))
 
 
-def _movable(system: Rows, broken: Flags) -> Flags:
-    """Which control points of the window act where a condition is broken."""
-    movable = np.zeros(len(system.points), dtype=bool)
-    width = system.rows.shape[1]
-    movable[(system.starts[broken][:, None] + np.arange(width)).ravel()] = True
-    return movable
+def _shifted(curve: Nurbs, system: Rows, found: LeastNorm) -> Edit[Nurbs]:
+    """Move control points, but none by less than rounding: who need not move keeps his bits."""
+    change = found.change
+    change[np.abs(change).max(axis=1) <= STILL * curve.magnitude] = 0.0
+    return curve.move_control_points(system.first, system.points + change)
 
 
 def _better_left(

@@ -57,8 +57,8 @@ def bends_at(curve: Nurbs, first: int, count: int, frozen: SpliceList) -> Flags:
     if frozen and p > 1:
         knots = curve.knots.window(first, first + count + p + 1)
         for start, stop in frozen:
-            bending |= (knots[1 : count + 1] == stop) & (knots[2 : count + 2] == stop)
-            bending |= (knots[p : count + p] == start) & (knots[p - 1 : count + p - 1] == start)
+            bending |= knots[1 : count + 1] == stop
+            bending |= knots[p : count + p] == start
     return bending
 
 
