@@ -13,11 +13,14 @@ from multirep.representations.nurbs.problem import KINK_HEIGHT, Breakpoints, Cou
 #: about log(H / allowance) of them, a corner p.
 CORNER_RATIO = 3.0
 CORNER_VERTICES = 2
-#: When the span at an end of the window fails though it is shorter than this part of the first chord,
-#: the join there gives up its smoothness.
+#: When the span at an end of the window fails though it is shorter than this part of the first
+#: chord, the join there gives up its smoothness.
 APPROACH = 1 / 16
 #: A span is cut in at most so many parts at once.
 MOST_PARTS = 8
+#: Breakpoints nearer to each other than this part of the window are one: a cut in the middle of a
+#: span may fall one ulp beside a vertex that becomes a corner later.
+NEAREST = 2.0**-40
 
 
 def refined(
@@ -58,8 +61,10 @@ def refined(
         peak = _peaks(trial, failing)
         # A vertex nearest to the peak, inside the span where there is one.
         near = t.searchsorted(peak)
-        near = near - ((near > 0) & (peak - t[np.maximum(near - 1, 0)]
-                                     < t[np.minimum(near, len(t) - 1)] - peak))
+        near = near - (
+            (near > 0)
+            & (peak - t[np.maximum(near - 1, 0)] < t[np.minimum(near, len(t) - 1)] - peak)
+        )
         near = np.clip(near, low, np.maximum(high - 1, low))
         vertex = t[near]
         few = (inside > 0) & (inside <= CORNER_VERTICES)
@@ -121,8 +126,10 @@ def _peaks(trial: Trial, spans: Indices) -> Array:
     starts, stops = trial.firsts[spans], trial.firsts[spans + 1]
     if len(spans) <= 4:
         return np.array(
-            [trial.rows[a + int(trial.ratios[a : b + 1].argmax())]
-             for a, b in zip(starts.tolist(), stops.tolist(), strict=True)]
+            [
+                trial.rows[a + int(trial.ratios[a : b + 1].argmax())]
+                for a, b in zip(starts.tolist(), stops.tolist(), strict=True)
+            ]
         )
     counts = stops - starts + 1
     ends = counts.cumsum()
@@ -136,7 +143,7 @@ def _between(t: Array, low: Indices, high: Indices) -> Array:
     ends = counts.cumsum()
     if not ends[-1]:
         return np.empty(0)
-    return t[np.arange(ends[-1]) + (low - (ends - counts)).repeat(counts)]
+    return np.asarray(t[np.arange(ends[-1]) + (low - (ends - counts)).repeat(counts)])
 
 
 def _quantiles(t: Array, low: Indices, inside: Indices, parts: Indices) -> Array:
@@ -161,4 +168,17 @@ def merged_breakpoints(
         if len(values):
             places = at.searchsorted(values)
             times[places] = np.maximum(times[places], degree)
-    return Breakpoints(at, times)
+    return _apart(Breakpoints(at, times))
+
+
+def _apart(found: Breakpoints) -> Breakpoints:
+    """Drop the lesser of two breakpoints between which no curve can be told from a corner."""
+    at, times = found.at, found.times
+    least = NEAREST * (at[-1] - at[0]) + 8 * np.spacing(max(abs(at[0]), abs(at[-1])))
+    close = np.flatnonzero(at[1:] - at[:-1] < least)
+    if not len(close):
+        return found
+    lesser = np.where(times[close] < times[close + 1], close, close + 1)
+    inner = np.where(lesser == len(at) - 1, close, lesser)  # the ends of the window stay
+    inner = inner[(inner > 0) & (inner < len(at) - 1)]
+    return Breakpoints(np.delete(at, inner), np.delete(times, inner))
