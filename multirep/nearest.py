@@ -24,7 +24,9 @@ TIGHTENING = 1 / 64
 ACCURACY = 1e-10
 
 
-def nearest_by_sampling(curve: Representation, point: Array) -> Nearest:
+def nearest_by_sampling(
+    curve: Representation, point: Array, *, candidates: SpliceList | None = None
+) -> Nearest:
     """Find the place of ``curve`` nearest to ``point``.
 
     Samples with a certified bound s, discards the chords that are farther than the nearest one by
@@ -35,6 +37,8 @@ def nearest_by_sampling(curve: Representation, point: Array) -> Nearest:
     ----------
     curve : Representation
     point : (d,) array
+    candidates : SpliceList, optional
+        Where the nearest place is known to be. Default: anywhere in T.
 
     Returns
     -------
@@ -54,7 +58,8 @@ def nearest_by_sampling(curve: Representation, point: Array) -> Nearest:
         )
     size = max(curve.magnitude, float(np.abs(point).max()), np.finfo(float).tiny)
     tolerance = FIRST_TOLERANCE * size
-    candidates = SpliceList([curve.domain])
+    if candidates is None:
+        candidates = SpliceList([curve.domain])
     while True:
         starts, stops, distances, bound = [], [], [], 0.0
         best, best_t = np.inf, curve.domain.start

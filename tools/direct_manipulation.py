@@ -167,7 +167,7 @@ def rational_basis(nurbs: Nurbs, t: float) -> Array:
     p = nurbs.degree
     first = nurbs.span(t) - p
     knots = nurbs.knots[first : first + 2 * p + 2]
-    values = basis_functions(knots, p, np.array([t]), np.array([p]))[0].copy()
+    values: Array = basis_functions(knots, p, np.array([t]), np.array([p]))[0].copy()
     if nurbs.is_rational:
         values *= nurbs.weights[first : first + p + 1]
         values /= values.sum()

@@ -1,47 +1,30 @@
-"""The NURBS value: degree, knots, control points, weights; immutable."""
+"""NURBS: the value and everything that can be done with it."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, ClassVar, Self
+from typing import Any, ClassVar, Self
 
 import numpy as np
 
-from multirep.arrays import Array, ArrayLike, frozen_array
+from multirep.arrays import ArrayLike
 from multirep.blocks import BlockArray
 from multirep.edit import Edit
-from multirep.errors import EditError, InvalidCurveError, ToleranceError
 from multirep.interval import Interval
-from multirep.representation import Representation
 from multirep.representations.nurbs import (
-    changes,
     controls,
     elevation,
     ends,
-    evaluation,
     holding,
     insertion,
     moving,
     removal,
 )
-from multirep.representations.nurbs.evaluation import (
-    Side,
-    homogeneous,
-    settled_at_corners,
-    window_points,
-)
-from multirep.representations.nurbs.validation import validated
+from multirep.representations.nurbs.value import NurbsValue
 from multirep.sampled import SampledSplice
 from multirep.splices import SpliceList
 
-if TYPE_CHECKING:
-    from scipy.interpolate import BSpline
 
-#: Parameters that are farther apart than this many spans each are evaluated one by one: scipy walks
-#: through all spans between them, 2.6 ns each, and one evaluation of its own costs 7 us.
-SCATTERED = 2000
-
-
-class Nurbs(Representation):
+class Nurbs(NurbsValue):
     """A spline of any degree on any non-decreasing knots, polynomial or rational (Grimm-Ayers 6.2).
 
     Parameters
@@ -85,234 +68,16 @@ class Nurbs(Representation):
     #: Degree of a fit from nothing, unless it is asked for another.
     default_degree: ClassVar[int] = 3
 
-    degree: int
-    _knots: BlockArray
-    _points: BlockArray
-    _weights: BlockArray | None
-    _peaks: tuple[float, ...]
-
-    def __init__(
-        self,
-        *,
-        degree: int,
-        knots: ArrayLike,
-        points: ArrayLike,
-        weights: ArrayLike | None = None,
-    ) -> None:
-        p, u, rows, w = validated(degree, knots, points, weights)
-        self._set(
-            p,
-            BlockArray.of(u),
-            BlockArray.of(rows),
-            None if w is None else BlockArray.of(w),
-            Interval(float(u[p]), float(u[len(rows)])),
-            (),
-        )
-
-    def _set(
-        self,
-        degree: int,
-        knots: BlockArray,
-        points: BlockArray,
-        weights: BlockArray | None,
-        domain: Interval,
-        peaks: tuple[tuple[int, float], ...],
-    ) -> None:
-        known = dict(peaks)
-        found = tuple(
-            known[id(block)] if id(block) in known else max(float(block.max()), -float(block.min()))
-            for block in points.blocks
-        )
-        self.__dict__.update(
-            degree=degree,
-            domain=domain,
-            dimension=points.shape[1],
-            _knots=knots,
-            _points=points,
-            _weights=weights,
-            _peaks=found,
-        )
-
-    def __setattr__(self, name: str, value: object) -> None:
-        raise AttributeError(f"a Nurbs is immutable; cannot set {name!r}")
-
-    def _with(
-        self,
-        *,
-        knots: BlockArray | None = None,
-        points: BlockArray | None = None,
-        weights: BlockArray | None = None,
-        degree: int | None = None,
-    ) -> Self:
-        """Return a value with other arrays and the same domain; internal, nothing is checked."""
-        new = type(self).__new__(type(self))
-        new._set(
-            self.degree if degree is None else degree,
-            self._knots if knots is None else knots,
-            self._points if points is None else points,
-            self._weights if weights is None else weights,
-            self.domain,
-            tuple(zip(map(id, self._points.blocks), self._peaks, strict=True)),
-        )
-        return new
-
-    # -- reading -------------------------------------------------------------------------------
-
-    @property
-    def knots(self) -> BlockArray:
-        """The knot vector, (n + p + 1,)."""
-        return self._knots
-
-    @property
-    def points(self) -> BlockArray:
-        """The Euclidean control points, (n, d)."""
-        return self._points
-
-    @property
-    def weights(self) -> BlockArray:
-        """The weights, (n,); ones for a polynomial spline."""
-        return controls.ones(len(self._points)) if self._weights is None else self._weights
-
-    @property
-    def is_rational(self) -> bool:
-        """Whether weights are stored, that is, some weight is or was other than 1."""
-        return self._weights is not None
-
-    @property
-    def size(self) -> int:
-        """Number of control points."""
-        return len(self._points)
-
-    @property
-    def magnitude(self) -> float:
-        """Largest |coordinate| of a control point, so of the curve too (convex hull)."""
-        return max(self._peaks)
-
-    def span(self, t: float, side: Side = "right") -> int:
-        """Return k with knots[k] <= t < knots[k + 1] (left: knots[k] < t <= knots[k + 1]).
-
-        Never an empty span, nor one outside T; O(log n).
-        """
-        at = self._knots.searchsorted(t, side) - 1
-        return min(max(at, self.degree), len(self._points) - 1)
-
-    def __call__(self, t: ArrayLike) -> Array:
-        """Points at parameters: scalar -> (d,), (m,) -> (m, d).
-
-        Cost: about 8 us for one parameter whatever n; scipy's time for many.
-
-        Raises
-        ------
-        ParameterError
-            Outside T.
-        """
-        at = self.parameters(t)
-        if at.ndim == 0:
-            return self._evaluated(at[None], *self._window(float(at), float(at)))[0]
-        shape = at.shape
-        flat = at.ravel()
-        if not len(flat):
-            return np.empty((*shape, self.dimension))
-        window = self._span_window(float(flat.min()), float(flat.max()))
-        if window[1] - window[0] > SCATTERED * len(flat):
-            values = np.concatenate(
-                [self._evaluated(flat[i : i + 1], *self._window(s, s))
-                 for i, s in enumerate(flat.tolist())]
-            )
-        else:
-            values = self._evaluated(flat, *self._arrays(*window))
-        return values if at.ndim == 1 else values.reshape(*shape, -1)
-
-    def derivative(self, t: ArrayLike, order: int = 1, side: str = "right") -> Array:
-        """Derivative by t of any order, from the right or the left; shapes as for calls.
-
-        Raises
-        ------
-        ParameterError
-            Outside T.
-        EditError
-            For a negative order or an unknown side.
-        """
-        if side not in ("left", "right"):
-            raise EditError(f"the side must be 'left' or 'right', got {side!r}")
-        if order < 0:
-            raise EditError(f"the order of a derivative must be 0 or more, got {order!r}")
-        at = self.parameters(t)
-        flat = at.ravel()
-        if not len(flat):
-            return np.empty((*at.shape, self.dimension))
-        which: Side = "left" if side == "left" else "right"
-        first, last = self.span(float(flat.min()), which), self.span(float(flat.max()), which)
-        values = evaluation.window_derivative(
-            *self._arrays(first, last), self.degree, flat, int(order), which
-        )
-        return values.reshape(*at.shape, self.dimension)
-
-    def sample(self, interval: Interval, *, tolerance: float) -> SampledSplice:
-        """Return a polyline over ``interval``, certified (`multirep.splines.sample_spline`).
-
-        Its breaks are the interior knots of full multiplicity.
-
-        Raises
-        ------
-        ToleranceError
-            When the tolerance is below what rounding allows.
-        """
-        from multirep.splines import sample_spline
-
-        start, stop = self.parameters([interval.start, interval.stop]).tolist()
-        knots, points, weights = self._window(start, stop)
-        rational = weights is not None and bool((weights != 1.0).any())
-        rows = homogeneous(points, weights) if rational and weights is not None else points
-        try:
-            t, found, bounds = sample_spline(
-                knots, rows, self.degree, start, stop, tolerance=tolerance, rational=rational
-            )
-        except ValueError as error:
-            raise ToleranceError(str(error), tolerance=tolerance) from None
-        full = knots[: len(knots) - self.degree + 1]
-        full = full[(full == knots[self.degree - 1 :]) & (full > start) & (full < stop)]
-        return SampledSplice(
-            t,
-            found,
-            bound=float(bounds.max()),
-            breaks=tuple(np.unique(full).tolist()),
-            chord_bounds=bounds,
-        )
-
-    def _window(self, start: float, stop: float) -> tuple[Array, Array, Array | None]:
-        """Knots, points and weights that the curve depends on between two parameters."""
-        return self._arrays(*self._span_window(start, stop))
-
-    def _span_window(self, start: float, stop: float) -> tuple[int, int]:
-        first = self.span(start)
-        return first, first if stop == start else self.span(stop)
-
-    def _arrays(self, first: int, last: int) -> tuple[Array, Array, Array | None]:
-        low = first - self.degree
-        weights = self._weights
-        return (
-            self._knots.window(low, last + self.degree + 2),
-            self._points.window(low, last + 1),
-            None if weights is None else weights.window(low, last + 1),
-        )
-
-    def _evaluated(
-        self, t: Array, knots: Array, points: Array, weights: Array | None
-    ) -> Array:
-        if len(t) == 1 and weights is None and len(points) == self.degree + 1:
-            from scipy.interpolate import BSpline
-
-            values: Array = BSpline.construct_fast(knots, points, self.degree)(t)
-        else:
-            values = window_points(knots, points, weights, self.degree, t)
-        return settled_at_corners(values, knots, points, self.degree, t)
-
     # -- following a polyline -------------------------------------------------------------------
 
     @classmethod
     def fit(
-        cls, sampled: SampledSplice, *, tolerance: float, degree: int | None = None
+        cls,
+        sampled: SampledSplice,
+        *,
+        tolerance: float,
+        degree: int | None = None,
+        **options: Any,
     ) -> Self:
         """Return a spline over T = ``sampled.interval`` within the allowance, with few knots.
 
@@ -335,21 +100,21 @@ class Nurbs(Representation):
         """
         from multirep.representations.nurbs.fitting import fitted_arrays
 
+        if options:
+            raise TypeError(f"a fit of a NURBS has the option 'degree', not {', '.join(options)}")
         p = cls.default_degree if degree is None else degree
         knots, points = fitted_arrays(sampled, tolerance, p)
         new = cls.__new__(cls)
-        new._set(
-            p, BlockArray.of(knots), BlockArray.of(points), None, sampled.interval, ()
-        )
+        new._set(p, BlockArray.of(knots), BlockArray.of(points), None, sampled.interval, None)
         return new
 
     def splice(self, sampled: SampledSplice, *, tolerance: float) -> Edit[Self]:
         """Follow ``sampled`` on its interval [a, b] and stay as it is elsewhere.
 
         The control points whose support lies in [a, b] are free, and so are the knots in it; all
-        others are pinned. The joins at a and b are C^(p - 1), as smooth as knots there allow, unless
-        the new course leaves at an angle that matters. Where a or b is an end of T, it is met
-        exactly. Knots are added where the fit fails and removed where they are not needed.
+        others are pinned. The joins at a and b are as smooth as the knots there allow (C^(p - 1)
+        at new ones), unless the new course leaves at an angle that matters. Where a or b is an end
+        of T, it is met exactly. Knots are added where the fit fails and removed where they are not needed.
 
         Returns
         -------
@@ -401,23 +166,8 @@ class Nurbs(Representation):
         return holding.held(self, interval, keep)
 
     def released(self, t: float, count: int) -> Edit[Self]:
-        """Remove the knot at ``t`` up to ``count`` times, as far as that is a matter of rounding."""
+        """Remove the knot at ``t`` up to ``count`` times, if that is a matter of rounding."""
         return holding.released(self, t, count)
-
-    def changes(self, other: Self) -> SpliceList:
-        """Where this value and ``other`` may differ; O(changed blocks)."""
-        if (
-            self.degree != other.degree
-            or self.domain != other.domain
-            or self.dimension != other.dimension
-        ):
-            return SpliceList([self.domain.hull(other.domain)])
-        rows = [(self._points, other._points)]
-        if self._weights is not None or other._weights is not None:
-            rows.append((self.weights, other.weights))
-        return changes.difference(
-            self.degree, self.domain, (self._knots, other._knots), tuple(rows)
-        )
 
     # -- primitive operations -------------------------------------------------------------------
 
@@ -429,7 +179,7 @@ class Nurbs(Representation):
         EditError
             When there is no such control point, or ``to`` is not a finite point.
         """
-        return controls.moved_control_points(self, index, [to])
+        return controls.moved_control_points(self, index, np.asarray(to, dtype=np.float64)[None])
 
     def move_control_points(self, start: int, rows: ArrayLike) -> Edit[Self]:
         """Put ``rows`` (k, d) in place of control points start .. start + k - 1.
@@ -538,68 +288,3 @@ class Nurbs(Representation):
             When only p + 1 control points are left.
         """
         return ends.control_point_removed(self, end)
-
-    # -- as data --------------------------------------------------------------------------------
-
-    def to_dict(self) -> dict[str, Any]:
-        """Plain data with every digit: degree, knots, points, weights."""
-        return {
-            "degree": self.degree,
-            "knots": self._knots.tolist(),
-            "points": self._points.tolist(),
-            "weights": self.weights.tolist(),
-        }
-
-    @classmethod
-    def from_dict(cls, data: dict[str, Any]) -> Self:
-        """Read what `to_dict` wrote; ``weights`` may be missing.
-
-        Raises
-        ------
-        InvalidCurveError
-            When something is missing, unknown or wrong.
-        """
-        unknown = sorted(set(data) - {"degree", "knots", "points", "weights"})
-        missing = sorted({"degree", "knots", "points"} - set(data))
-        if unknown or missing:
-            found = f"unknown {unknown}" if unknown else f"missing {missing}"
-            raise InvalidCurveError(f"a NURBS has degree, knots, points and weights; {found}")
-        return cls(**data)
-
-    @classmethod
-    def from_scipy(cls, spline: BSpline) -> Self:
-        """Make a value of a `scipy.interpolate.BSpline` with coefficients (n,) or (n, d).
-
-        Raises
-        ------
-        InvalidCurveError
-            When it is no curve of ours (see the class).
-        """
-        degree = int(spline.k)
-        knots = frozen_array(spline.t)
-        rows = np.asarray(spline.c, dtype=np.float64)[: len(knots) - degree - 1]
-        return cls(degree=degree, knots=knots, points=rows[:, None] if rows.ndim == 1 else rows)
-
-    def to_scipy(self) -> BSpline:
-        """Return a `scipy.interpolate.BSpline` of the control points.
-
-        Raises
-        ------
-        EditError
-            When the curve is rational: scipy has no rational splines.
-        """
-        from scipy.interpolate import BSpline
-
-        if self._weights is not None and bool((np.asarray(self._weights) != 1.0).any()):
-            raise EditError(
-                "scipy has no rational splines; make BSplines of weights * points and of weights "
-                "and divide"
-            )
-        return BSpline(np.asarray(self._knots), np.asarray(self._points), self.degree)
-
-    def __repr__(self) -> str:
-        kind = "rational" if self.is_rational else "polynomial"
-        return (
-            f"<{type(self).__name__} {self.name!r}: {kind} of degree {self.degree}, "
-            f"{self.size} control points in {self.dimension}-D over {self.domain}>"
-        )

@@ -10,7 +10,13 @@ from multirep.errors import InvalidCurveError
 from multirep.representations.nurbs.equalizing import equalized
 from multirep.representations.nurbs.problem import Breakpoints, Course, Problem, Trial
 from multirep.representations.nurbs.refinement import merged_breakpoints, refined
-from multirep.representations.nurbs.search import CORNER_HEIGHT, check_tolerance, evened, passed, proved
+from multirep.representations.nurbs.search import (
+    CORNER_HEIGHT,
+    check_tolerance,
+    evened,
+    passed,
+    proved,
+)
 from multirep.representations.nurbs.simplification import simplified
 from multirep.representations.nurbs.validation import LARGEST_DEGREE
 from multirep.sampled import SampledSplice
@@ -118,6 +124,6 @@ def _fewest(problem: Problem, trial: Trial) -> Trial:
                 trial = problem.tried(refined(problem.degree, problem.course, trial, failing))
         except np.linalg.LinAlgError:
             break
-        if trial.count < best.count and bool((trial.worst <= 1.0).all()):
+        if trial.size < best.size and bool((trial.worst <= 1.0).all()):
             best = trial
     return best

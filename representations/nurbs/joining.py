@@ -114,7 +114,7 @@ class Window:
         missing = self.degree + 1 - int(breakpoints.times.sum())
         if missing <= 0 or self.start is not None or self.stop is not None:
             return breakpoints
-        at, times = breakpoints
+        at = breakpoints.at
         parts = -(-missing // (len(at) - 1)) + 1
         inner = at[:-1, None] + np.diff(at)[:, None] * (np.arange(1, parts) / parts)
         return merged_breakpoints(breakpoints, inner.ravel(), [], self.degree)
@@ -137,9 +137,7 @@ class Window:
             right = same.index(False) if False in same else p
         return left, right
 
-    def fixed(
-        self, knots: Array, breakpoints: Breakpoints
-    ) -> tuple[Array, slice, Array | None]:
+    def fixed(self, knots: Array, breakpoints: Breakpoints) -> tuple[Array, slice, Array | None]:
         """Fill in the fixed control points (Euclidean) and the weights; see `Ends`."""
         p, size, count = self.degree, 2 * self.degree + 1, len(knots) - self.degree - 1
         left, right = self.kept(knots)

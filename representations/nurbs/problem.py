@@ -1,4 +1,4 @@
-"""The problem behind a fit: a polyline to follow, what stands fixed at its ends, one trial on given knots.
+"""The problem behind a fit: a polyline, what stands fixed at its ends, a trial on given knots.
 
 A trial is a banded weighted least-squares fit against the polyline (not against its vertices
 alone: rows are placed between them too) and the residuals that it leaves, span by span, in units
@@ -47,11 +47,11 @@ class Course(NamedTuple):
     uniform: bool
     """Whether all allowances are the same."""
     heights: Array
-    """(m - 1,): how far each inner vertex stands from the line between its neighbours at equal t, over
-    its allowance. The kink J times h1 h2 / (h1 + h2); four sagittas on a sampled smooth curve."""
+    """(m - 1,): how far each inner vertex stands from the line between its neighbours at equal t,
+    over its allowance. The kink J times h1 h2 / (h1 + h2); four sagittas on a smooth curve."""
     row_t: Array
     row_points: Array
-    """The same polyline with the middles of chords beside kinks as vertices, for the rows of a fit."""
+    """The same polyline with the middles of chords beside kinks as vertices, for rows of a fit."""
 
     @classmethod
     def of(cls, t: Array, points: Array, allowance: Array) -> Course:
@@ -85,7 +85,7 @@ class Course(NamedTuple):
         return cls.of(sampled.t, sampled.points, sampled.allowance(tolerance))
 
     def allowed(self, at: Array) -> Array | float:
-        """What is allowed at parameters (the smaller of two chords at a vertex)."""
+        """Return what is allowed at parameters; at a vertex the smaller of both chords."""
         if self.uniform:
             return self.tightest
         last = len(self.allowance) - 1
@@ -139,7 +139,7 @@ class Trial(NamedTuple):
     """(s,): the largest ratio on each span."""
 
     @property
-    def count(self) -> int:
+    def size(self) -> int:
         """Number of control points."""
         return len(self.points)
 

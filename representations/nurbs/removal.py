@@ -119,9 +119,7 @@ def _removed_once(curve: N, j: int, m: int) -> tuple[N, Interval, float] | None:
     return value, touched, moved
 
 
-def _rational_movement(
-    local: Array, curve: Nurbs, j: int, old: Array, new: Array, m: int
-) -> float:
+def _rational_movement(local: Array, curve: Nurbs, j: int, old: Array, new: Array, m: int) -> float:
     """Bound the movement of a rational curve whose homogeneous rows j - p .. j - m change.
 
     ``R' - R = sum N_i ((A'_i - A_i) - R (w'_i - w_i)) / w'`` and R lies in the hull of the control

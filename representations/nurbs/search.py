@@ -1,4 +1,4 @@
-"""The search for knots: cut until the residuals allow, thin out, prove, cut where the proof fails."""
+"""The search for knots: cut until the residuals allow, thin out, prove, cut what is not proved."""
 
 from __future__ import annotations
 
@@ -147,10 +147,8 @@ def fewer(problem: Problem, trial: Trial, forced: Array, tolerance: float) -> Tr
         failing = np.flatnonzero(trial.worst > 1.0)
         better = evened(problem, trial) if len(failing) else trial
         if better is not None:
-            return better if better.count < best.count else best
-        trial = _tried(
-            problem, refined(problem.degree, problem.course, trial, failing), tolerance
-        )
+            return better if better.size < best.size else best
+        trial = _tried(problem, refined(problem.degree, problem.course, trial, failing), tolerance)
     return best
 
 
@@ -202,14 +200,12 @@ def _tried(problem: Problem, breakpoints: Breakpoints, tolerance: float) -> Tria
         ) from None
 
 
-def _out_of_reach(
-    problem: Problem, trial: Trial, ratio: float, tolerance: float
-) -> ToleranceError:
+def _out_of_reach(problem: Problem, trial: Trial, ratio: float, tolerance: float) -> ToleranceError:
     worst = int(trial.worst.argmax())
     where = float(trial.breakpoints.at[worst])
     reachable = tolerance * ratio
     return ToleranceError(
-        f"a tolerance of {tolerance:.3g} cannot be proved with {trial.count} control points "
+        f"a tolerance of {tolerance:.3g} cannot be proved with {trial.size} control points "
         f"near t = {where!r}; {reachable:.3g} can",
         tolerance=tolerance,
         reachable=reachable,

@@ -1,4 +1,4 @@
-"""Fewer vertices for the same polyline, with the parametric deviation known: fits then cost less."""
+"""Fewer vertices for the same polyline, their deviation known: fits then cost less."""
 
 from __future__ import annotations
 
@@ -81,9 +81,7 @@ def _offsets(t: Array, points: Array, kept: Indices) -> tuple[Array, Indices]:
     return np.sqrt(np.einsum("md,md->m", off, off)), group
 
 
-def _deviations(
-    t: Array, points: Array, limit: Array, kept: Indices
-) -> tuple[Array, Indices]:
+def _deviations(t: Array, points: Array, limit: Array, kept: Indices) -> tuple[Array, Indices]:
     """Largest distance over its limit in each group, and the vertex where it is."""
     off, _ = _offsets(t, points, kept)
     off[1:] /= limit

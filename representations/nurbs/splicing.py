@@ -39,8 +39,7 @@ def spliced(curve: N, sampled: SampledSplice, tolerance: float) -> Edit[N]:
     """Return the curve that follows ``sampled`` on its interval."""
     if sampled.dimension != curve.dimension:
         raise InvalidCurveError(
-            f"a curve in {curve.dimension} coordinates cannot follow samples in "
-            f"{sampled.dimension}"
+            f"a curve in {curve.dimension} coordinates cannot follow samples in {sampled.dimension}"
         )
     start, stop = float(sampled.t[0]), float(sampled.t[-1])
     domain = curve.domain
@@ -139,7 +138,7 @@ def _assembled(curve: N, window: Window, trial: Trial, bound: float) -> Edit[N]:
     """Put the window into the curve, and say where it changed."""
     p, domain = curve.degree, curve.domain
     left, right = window.kept(trial.knots)
-    count = trial.count
+    count = trial.size
     points, weights = trial.points, trial.weights
     knots, rows, bottoms = curve._knots, curve._points, curve._weights
     low_knot, low = (window.first + 1, window.first - p + 1) if window.start is None else (0, 0)

@@ -62,8 +62,7 @@ def check_knots(u: Array, p: int) -> None:
     if not (u[1:] >= u[:-1]).all():
         i = int(np.argmin(u[1:] >= u[:-1]))
         raise InvalidCurveError(
-            f"knots must not decrease; knot {i + 1} is {float(u[i + 1])!r} "
-            f"after {float(u[i])!r}"
+            f"knots must not decrease; knot {i + 1} is {float(u[i + 1])!r} after {float(u[i])!r}"
         )
     n = len(u) - p - 1
     start, stop = u[p], u[n]

@@ -20,8 +20,10 @@ def support(curve: Nurbs, index: int) -> SpliceList:
     knots = np.asarray(curve.knots)
     low, high = knots[index], knots[index + curve.degree + 1]
     start, stop = curve.domain
-    return SpliceList([(max(low, start), min(high, stop))]) if high > start < stop > low else (
-        SpliceList.EMPTY
+    return (
+        SpliceList([(max(low, start), min(high, stop))])
+        if high > start < stop > low
+        else (SpliceList.EMPTY)
     )
 
 

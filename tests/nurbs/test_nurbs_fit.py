@@ -115,8 +115,7 @@ def test_corners_between_smooth_arcs() -> None:
     for count in (60, 400, 5000):
         u = np.linspace(0, 1, count + 1)
         arcs = [
-            np.stack([np.cos(np.pi * u) + 2 * k, np.sin(np.pi * u)], axis=1)[::-1]
-            for k in range(4)
+            np.stack([np.cos(np.pi * u) + 2 * k, np.sin(np.pi * u)], axis=1)[::-1] for k in range(4)
         ]
         points = np.concatenate([arcs[0], *(arc[1:] for arc in arcs[1:])])
         sampled = SampledSplice(chord_length(points), points)

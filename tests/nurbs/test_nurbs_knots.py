@@ -99,9 +99,10 @@ def test_removal_proves_how_far_the_curve_moves(curve: Nurbs, data: st.DataObjec
     times = data.draw(st.integers(1, multiplicity(curve, t)))
     try:
         edit = check_edit(curve, lambda c: c.remove_knot(t, tolerance=1e9, times=times))
-    except ToleranceError as error:
+    except ToleranceError:
+        with pytest.raises(ToleranceError, match="stay positive"):
+            curve.remove_knot(t, tolerance=1e9, times=times)
         assert curve.is_rational
-        assert "stay positive" in str(error)
         return
     moved = np.linalg.norm(edit.value(T) - curve(T), axis=1).max()
     assert moved <= edit.bound
@@ -143,7 +144,7 @@ def test_moving_a_knot_touches_p_spans_on_each_side(curve: Nurbs, data: st.DataO
 
 
 def test_moved_knots_trace_their_envelope() -> None:
-    """The point at the moved knot lies on a curve of one degree less (Juhasz-Hoffmann theorem 2)."""
+    """The point at the moved knot is on a curve of one degree less (Juhasz-Hoffmann theorem 2)."""
     curve = smooth_curve(12)
     knots, points = np.asarray(curve.knots), np.asarray(curve.points)
     i, p = 6, 3
@@ -156,9 +157,7 @@ def test_moved_knots_trace_their_envelope() -> None:
 
 def test_a_knot_stays_between_its_neighbours() -> None:
     """Refused with the permissible region; a neighbour of full multiplicity is out of bounds."""
-    curve = Nurbs(
-        degree=2, knots=[0, 0, 0, 1, 2, 2, 3, 4, 4, 4], points=np.eye(7)[:, :2]
-    )
+    curve = Nurbs(degree=2, knots=[0, 0, 0, 1, 2, 2, 3, 4, 4, 4], points=np.eye(7)[:, :2])
     with pytest.raises(EditError, match=r"knot 3 can move within \(0.0, 2.0\), not to 2.0"):
         curve.move_knot(3, 2.0)
     with pytest.raises(EditError, match=r"within \(0.0, 2.0\)"):
@@ -249,14 +248,14 @@ def test_knots_are_checked() -> None:
 
 @pytest.mark.parametrize("seed", range(40))
 def test_operations_on_wild_curves(seed: int) -> None:
-    """All degrees to 7, coordinates from 1e-9 to 1e12, any multiplicity: sound edits, same curve."""
+    """Degrees to 7, coordinates from 1e-9 to 1e12, any multiplicity: sound edits, same curve."""
     rng = np.random.default_rng(100 + seed)
     curve, _ = random_curve(rng)
     free = [t for t in rng.random(3).tolist() if multiplicity(curve, t) < curve.degree]
     finer = check_edit(curve, lambda c: c.insert_knots(free)).value
     assert apart(curve, finer) <= EXACT
+    tolerance = 1e-6 * curve.magnitude
     for t in free:
-        tolerance = 1e-6 * curve.magnitude
-        finer = check_edit(finer, lambda c, t=t: c.remove_knot(t, tolerance=tolerance)).value
+        finer = check_edit(finer, finer.remove_knot(t, tolerance=tolerance)).value
     assert apart(curve, finer) <= 1e-8
     assert apart(curve, curve.elevate_degree().value) <= EXACT

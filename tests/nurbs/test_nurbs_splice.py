@@ -1,4 +1,4 @@
-"""Splices: certified inside, bit-identical outside, few knots, whatever curve, stretch and course."""
+"""Splices: certified inside, bit-identical outside, few knots, whatever the curve and course."""
 
 from __future__ import annotations
 
@@ -116,7 +116,7 @@ def test_ends_at_knots_leave_the_outside_untouched(degree: int) -> None:
 
 
 def test_reach_stays_within() -> None:
-    """It covers the wish, never leaves what is allowed, and takes the wish when there is no knot."""
+    """It covers the wish, never leaves what is allowed; without a knot it is the wish."""
     curve = smooth_curve(12)
     wish = Interval(0.501, 0.502)
     assert curve.reach(wish, wish) == wish
@@ -134,9 +134,7 @@ def test_joins_are_smooth() -> None:
         sampled = curve.sample(Interval(0.313, 0.617), tolerance=1e-6)
         u = (sampled.t - 0.313) / 0.304
         shift = 0.02 * np.sin(np.pi * u)[:, None] ** 6
-        edit = curve.splice(
-            SampledSplice(sampled.t, sampled.points + shift, 1e-4), tolerance=1e-3
-        )
+        edit = curve.splice(SampledSplice(sampled.t, sampled.points + shift, 1e-4), tolerance=1e-3)
         for end in (0.313, 0.617):
             for order in range(degree):
                 left = edit.value.derivative(end, order, "left")
@@ -150,7 +148,7 @@ def test_a_turn_at_the_end_gives_up_smoothness_only_there() -> None:
     curve = smooth_curve(30)
     start = curve(0.4)
     t = np.array([0.4, 0.5, 0.6])
-    course_points = np.stack([start, start + [1.0, 2.0], curve(0.6)])
+    course_points = np.stack([start, start + np.array([1.0, 2.0]), curve(0.6)])
     edit = check_splice(curve, SampledSplice(t, course_points), tolerance=1e-4)
     knots = np.asarray(edit.value.knots)
     assert [(knots == s).sum() for s in t] == [3, 3, 3]
@@ -164,7 +162,9 @@ def test_a_gap_at_the_end_is_closed_inside(share: float) -> None:
     tolerance = 1e-3
     sampled = curve.sample(Interval(0.4, 0.6), tolerance=tolerance / 64)
     shifted = SampledSplice(
-        sampled.t, sampled.points + [0.0, share * (tolerance - sampled.bound)], sampled.bound
+        sampled.t,
+        sampled.points + np.array([0.0, share * (tolerance - sampled.bound)]),
+        sampled.bound,
     )
     edit = check_splice(curve, shifted, tolerance=tolerance)
     assert edit.value.size <= curve.size + 40
@@ -175,7 +175,9 @@ def test_a_gap_beyond_the_allowance_is_refused_at_once() -> None:
     curve = smooth_curve(30)
     sampled = curve.sample(Interval(0.4, 0.6), tolerance=1e-5)
     with pytest.raises(ToleranceError, match=r"0.002 away.*t = 0.4, more than the allowed") as info:
-        curve.splice(SampledSplice(sampled.t, sampled.points + [0, 0.002]), tolerance=1e-3)
+        curve.splice(
+            SampledSplice(sampled.t, sampled.points + np.array([0, 0.002])), tolerance=1e-3
+        )
     assert info.value.where == 0.4
     assert info.value.reachable == pytest.approx(0.002)
 
@@ -276,14 +278,13 @@ def test_control_points_are_removed_where_detail_goes() -> None:
 
 
 def test_a_splice_does_not_look_at_the_rest_of_the_curve() -> None:
-    """On a long curve all blocks but those of the window are shared, and unevaluated NaN harms not."""
+    """All blocks but those of the window are shared, and NaN in a block far away does no harm."""
     curve = smooth_curve(12 * BLOCK_ROWS)
     knots, points = curve.knots, curve.points
     middle = knots[6 * BLOCK_ROWS]
     ends = Interval(float(middle), float(knots[6 * BLOCK_ROWS + 20]))
-    poisoned = curve._with(
-        points=points.replaced(0, BLOCK_ROWS // 2, np.full((BLOCK_ROWS // 2, 2), np.nan))
-    )
+    nothing = np.full((BLOCK_ROWS // 2, 2), np.nan)
+    poisoned = curve._with(points=points.replaced(0, BLOCK_ROWS // 2, nothing))
     sampled = poisoned.sample(ends, tolerance=1e-9)
     edit = poisoned.splice(sampled, tolerance=1e-6)
     shared = {id(block) for block in poisoned.points.blocks}
