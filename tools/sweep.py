@@ -34,7 +34,7 @@ class Sweep(Tool[WaveletBSpline]):
     to : tuple of float
         Where it shall be; hit up to rounding.
     level : float
-        From 0, the whole curve, up to 40. Between two levels the width changes gradually.
+        From 0, the whole curve, up to 46. Between two levels the width changes gradually.
     hold : tuple of float, optional
         Parameters at which the curve stays where it is: moving one point then leaves the others.
     targets : tuple of (t, x, y, ...), optional

@@ -202,7 +202,7 @@ class WaveletBSpline(Representation):
         ------
         ToleranceError
             When this curve is farther from the samples at an end than the allowance, or the
-            tolerance cannot be proved with knots of level 40.
+            tolerance cannot be proved with the finest knots.
 
         Notes
         -----
@@ -260,7 +260,7 @@ class WaveletBSpline(Representation):
     def refine(self, interval: Interval | None = None) -> Edit[Self]:
         """Halve every span that meets the interior of ``interval`` (default T); keep the curve.
 
-        Spans of the finest level that there can be (40 on [0, 1]) stay. ParameterError when the
+        Spans of the finest level that there can be (46 on [0, 1]) stay. ParameterError when the
         interval leaves T.
         """
         where = self.domain if interval is None else Interval.of(interval)

@@ -1,6 +1,6 @@
 """Dyadic knots k / 2**l in [0, 1]: exact numbers, where to halve a span, the level of a knot.
 
-All of these are exact in float64 down to level 40 and two levels beyond, which the rows of a fit
+All of these are exact in float64 down to level 46 and three levels beyond, which the rows of a fit
 use.
 """
 
@@ -25,9 +25,9 @@ __all__ = [
     "starting",
 ]
 
-#: No knot is finer than k / 2**40. Finer knots would be exact as well, but spans of 2**-40 of T
+#: No knot is finer than k / 2**46: 64 units in the last place of a parameter near 1. Far coarser ones
 #: already resolve a corner to 1e-12 of the curve, where rounding of the coordinates begins.
-FINEST_LEVEL = 40
+FINEST_LEVEL = 46
 #: Spans shorter than so many units in the last place of a parameter are not made.
 _ULPS = 64
 
@@ -52,7 +52,7 @@ def finest_level(domain: Interval) -> int:
     Examples
     --------
     >>> finest_level(Interval(0.0, 1.0)), finest_level(Interval(1e6, 1e6 + 1))
-    (40, 27)
+    (46, 27)
     """
     largest = max(abs(domain.start), abs(domain.stop))
     resolved = math.log2(domain.length / (_ULPS * float(np.spacing(largest))))

@@ -71,7 +71,7 @@ def fit(sampled: SampledSplice, *, tolerance: float) -> tuple[Graded, float]:
     Raises
     ------
     ToleranceError
-        When the tolerance cannot be proved with knots down to level 40.
+        When the tolerance cannot be proved with the finest knots.
     """
     domain = sampled.interval
     target = Target.of(sampled, tolerance)

@@ -57,7 +57,7 @@ class TestSmooth(ToolSuite):
     def refused(self) -> Sequence[Tool[Any]]:
         return [
             Smooth(level=2, interval=(0.5, 1.5)),
-            Smooth(level=2, interval=(0.6, 0.6 + 1e-12)),
+            Smooth(level=2, interval=(0.6, 0.6 + 1e-14)),
         ]
 
 
@@ -195,5 +195,5 @@ class TestSweepOfSeveral(ToolSuite):
             Sweep(t=0.3, to=to, level=3, hold=(0.3,)),
             Sweep(t=0.3, to=to, level=3, targets=((0.5, 1.0),)),
             Sweep(t=0.3, to=to, level=0, hold=(0.1, 0.2, 0.5, 0.9)),
-            Sweep(t=0.3, to=to, level=41, hold=(0.1,)),
+            Sweep(t=0.3, to=to, level=47, hold=(0.1,)),
         ]

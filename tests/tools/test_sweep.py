@@ -101,8 +101,8 @@ def test_a_place_is_needed_and_levels_have_limits():
     value = curve()
     with pytest.raises(EditError, match="neither"):
         Sweep(to=(0.0, 0.0), level=1).edit(value, Scene())
-    with pytest.raises(EditError, match="0 to 40"):
-        value.sweep(0.5, [0.0, 0.0], 40.5)
+    with pytest.raises(EditError, match="0 to 46"):
+        value.sweep(0.5, [0.0, 0.0], 46.5)
     with pytest.raises(EditError, match="2 coordinates"):
         Sweep(t=0.5, to=(0.0,), level=1).edit(value, Scene())
     with pytest.raises(ParameterError):
