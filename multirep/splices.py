@@ -49,6 +49,12 @@ class SpliceList:
     EMPTY: ClassVar[SpliceList]
 
     def __init__(self, splices: Iterable[Interval | Sequence[float]] = ()) -> None:
+        splices = list(splices)
+        if len(splices) == 1 and isinstance(only := splices[0], Interval):
+            one = only.start < only.stop
+            object.__setattr__(self, "_starts", (only.start,) if one else ())
+            object.__setattr__(self, "_stops", (only.stop,) if one else ())
+            return
         starts: list[float] = []
         stops: list[float] = []
         for start, stop in sorted(tuple(Interval.of(splice)) for splice in splices):
