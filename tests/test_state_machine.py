@@ -408,3 +408,33 @@ def test_long_sessions_keep_their_promises() -> None:
     run_state_machine_as_test(
         SessionMachine, settings=settings(max_examples=200, stateful_step_count=30)
     )
+
+
+# -- sessions that once broke a promise ------------------------------------------------------------
+
+Step: TypeAlias = tuple[Maker, float, tuple[float, ...]]
+
+
+@pytest.mark.parametrize(
+    ("start", "tolerance", "steps"),
+    [
+        # a knot one ulp beside a corner: the curve could not be sampled any more
+        (circle, 1e-1, [(move_vertex, 0.09375, (0.0, -0.203125))]),
+        (circle, 1e-1, [(move_vertex, 0.609375, (-0.265625, 0.15625))]),
+    ],
+)
+def test_sessions_that_once_broke_a_promise(
+    start: Callable[[], mr.MultiRepresentation], tolerance: float, steps: list[Step]
+) -> None:
+    """Each was found by the machine; all views are brought up to date after every step."""
+    curve = start()
+    curve.tolerance = tolerance
+    session = mr.Session()
+    session.add("curve", curve)
+    check_certificate(curve)
+    for make, u, offset in steps:
+        before = curve.snapshot()
+        with curve.listening() as events:
+            session.apply("curve", make(curve, u, offset))
+            check_certificate(curve)
+        check_step(before, curve.snapshot(), events)
