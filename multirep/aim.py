@@ -2,7 +2,16 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import attrs
+import numpy as np
+
+if TYPE_CHECKING:
+    from multirep.representation import Representation
+
+#: A derivative differs from what a tool asked for when it is off by more than this part.
+TURNED = 1e-6
 
 
 def _point(values: object) -> tuple[float, ...] | None:
@@ -34,3 +43,25 @@ class Aim:
     point: tuple[float, ...] | None = attrs.field(default=None, converter=_point)
     left: tuple[float, ...] | None = attrs.field(default=None, converter=_point)
     right: tuple[float, ...] | None = attrs.field(default=None, converter=_point)
+
+
+def misses(aim: Aim, value: Representation) -> float:
+    """How far a curve passes the point of an aim; 0 when it names none."""
+    if aim.point is None:
+        return 0.0
+    return float(np.linalg.norm(value(aim.t) - np.asarray(aim.point)))
+
+
+def turns(aim: Aim, value: Representation) -> float:
+    """How far the derivatives are from those of an aim, in terms of their size; 0 for none."""
+    worst = 0.0
+    for side, wanted in (("left", aim.left), ("right", aim.right)):
+        if wanted is not None:
+            try:
+                found = value.derivative(aim.t, side=side)
+            except NotImplementedError:  # it has none: nothing is held against it
+                continue
+            off = float(np.linalg.norm(found - wanted))
+            size = float(np.linalg.norm(found) + np.linalg.norm(wanted))
+            worst = max(worst, off / size if off else 0.0)
+    return worst

@@ -48,9 +48,14 @@ def opposed(
 ) -> ConflictError:
     """Return the error that says that constraints undid what a tool asked for."""
     listed = " and ".join(map(repr, where))
+    asked = [
+        f"{what} {wanted}"
+        for what, wanted in (("", aim.point), ("left", aim.left), ("right", aim.right))
+        if wanted is not None
+    ]
     return ConflictError(
-        f"{by} asks for {aim.point} at t = {aim.t:g}, but with {listed} re-established the curve "
-        f"passes it at a distance of {missed:.3g}",
+        f"{by} asks for {', '.join(asked).strip()} at t = {aim.t:g}, but with {listed} "
+        f"re-established the curve is not so (it passes at a distance of {missed:.3g})",
         constraints=where,
         residuals=residuals,
         where=where,

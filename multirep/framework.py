@@ -8,7 +8,7 @@ from typing import Any
 
 import attrs
 
-from multirep.aim import Aim
+from multirep.aim import TURNED, Aim, misses, turns
 from multirep.conflicts import smallest_release
 from multirep.constraint import Constraint
 from multirep.edit import Edit
@@ -24,7 +24,7 @@ from multirep.outcome import Outcome, measured_work
 from multirep.reparameterization import ParameterMap
 from multirep.representation import Representation
 from multirep.scene import Scene
-from multirep.settling import Settlement, clear_of_ice, guarded, misses, region_of, settle
+from multirep.settling import Settlement, clear_of_ice, guarded, region_of, settle
 from multirep.splices import SpliceList
 from multirep.state import State
 from multirep.synchronization import check_edit
@@ -75,6 +75,11 @@ class Framework:
             raise MultirepError(f"there is a curve named {name!r} already")
         self._curves[name] = curve
         self._constraints[name] = {}
+
+    def remove(self, name: str) -> None:
+        """Take a curve out, with its constraints; UnknownNameError when there is none."""
+        self.curve(name)
+        del self._curves[name], self._constraints[name]
 
     def curve(self, name: str) -> MultiRepresentation:
         """Return a curve by name."""
@@ -253,7 +258,7 @@ class Framework:
             raise
         except MultirepError as error:
             raise EditRejectedError(f"{by}: {error}", tool.name) from error
-        reached = tuple(aim for aim in aims if misses(aim, edit.value) <= target.tolerance)
+        reached = tuple(aim for aim in aims if _reached(aim, edit.value, target.tolerance))
         return edit, reached, faded
 
     def _scene(self, target: MultiRepresentation, aims: tuple[Aim, ...] = ()) -> Scene:
@@ -313,6 +318,11 @@ class Framework:
                 self._constraints[curve].clear()
                 self._constraints[curve].update(constraints)
                 raise
+
+
+def _reached(aim: Aim, value: Representation, tolerance: float) -> bool:
+    """Whether an edit did what it was about; only that is held against constraints."""
+    return misses(aim, value) <= tolerance and turns(aim, value) <= TURNED
 
 
 class _TakeBack(Exception):

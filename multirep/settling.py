@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import attrs
 import numpy as np
 
-from multirep.aim import Aim
+from multirep.aim import TURNED, Aim, misses, turns
 from multirep.blending import blended
 from multirep.conflicts import conflict, opposed, shortest_cycle
 from multirep.constraint import Constraint
@@ -331,18 +331,12 @@ class _Loop:
         value = self.curve.view(kind)
         for aim in self.scene.aims:
             missed = misses(aim, value)
-            if missed > self.curve.tolerance:
+            own = any(n == kind.name for part, n in self.curve.authors if part.contains(aim.t))
+            if missed > self.curve.tolerance or (own and turns(aim, value) > TURNED):
                 near = [n for n in self.first if self.region(n).contains(aim.t)]
                 names = near or list(self.first)
                 residuals = {n: self.first[n] for n in names}
                 raise opposed(by, aim, missed, self.claims(names), residuals)
-
-
-def misses(aim: Aim, value: Representation) -> float:
-    """How far a curve passes the point of an aim; 0 when it names none."""
-    if aim.point is None:
-        return 0.0
-    return float(np.linalg.norm(value(aim.t) - np.asarray(aim.point)))
 
 
 def clear_of_ice(
