@@ -114,7 +114,8 @@ class Nurbs(NurbsValue):
         The control points whose support lies in [a, b] are free, and so are the knots in it; all
         others are pinned. The joins at a and b are as smooth as the knots there allow (C^(p - 1)
         at new ones), unless the new course leaves at an angle that matters. Where a or b is an end
-        of T, it is met exactly. Knots are added where the fit fails and removed where they are not needed.
+        of T, it is met exactly. Knots are added where the fit fails and removed where they are not
+        needed.
 
         Returns
         -------
