@@ -25,8 +25,8 @@ __all__ = [
     "starting",
 ]
 
-#: No knot is finer than k / 2**46: 64 units in the last place of a parameter near 1. Far coarser ones
-#: already resolve a corner to 1e-12 of the curve, where rounding of the coordinates begins.
+#: No knot is finer than k / 2**46, 64 units in the last place of a parameter near 1. Far coarser
+#: ones resolve a corner to 1e-12 of the curve already, where rounding of the coordinates begins.
 FINEST_LEVEL = 46
 #: Spans shorter than so many units in the last place of a parameter are not made.
 _ULPS = 64

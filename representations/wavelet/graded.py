@@ -130,16 +130,13 @@ class Graded:
         O(window): blocks outside are shared. Fourfold end knots in ``u`` must be all or none of
         each.
         """
-        old = self.u.window(*knots)
-        counts = self.counts + level_counts(u) - level_counts(old)
+        magnitude = max(self.magnitude, float(np.abs(rows).max(initial=0.0)))
+        changed = self.points.replaced(*points, rows)
+        if not len(u) and knots[0] == knots[1]:
+            return Graded(self.domain, self.u, changed, self.counts, magnitude)
         # Ends of T in both cancel; their level is 0 like that of no other knot.
-        return Graded(
-            self.domain,
-            self.u.replaced(*knots, u),
-            self.points.replaced(*points, rows),
-            counts,
-            max(self.magnitude, float(np.abs(rows).max(initial=0.0))),
-        )
+        counts = self.counts + level_counts(u) - level_counts(self.u.window(*knots))
+        return Graded(self.domain, self.u.replaced(*knots, u), changed, counts, magnitude)
 
     def refined(self, u: Array) -> Graded:
         """Return the same curve with more knots.
@@ -200,23 +197,28 @@ def differences(one: Graded, two: Graded) -> SpliceList:
     if begin >= end:
         return SpliceList.EMPTY
     a, b = one.u.window(begin - 2, end + 3), two.u.window(begin - 2, end + shift + 3)
-    here, there = _spans(one, a, begin, end), _spans(two, b, begin, end + shift)
-    places = b.searchsorted(a[2:-3], "right") - 3
-    np.minimum(np.maximum(places, 0, out=places), len(there) - 1, out=places)
-    changed = np.flatnonzero((here != there.take(places, axis=0)).any(axis=1))
+    # Where each knot has gone; those at the ends of T are several.
+    moved = b.searchsorted(a) - np.arange(len(a))
+    moved[a == 0.0] = 0
+    moved[a == 1.0] = shift
+    places = np.minimum(np.arange(len(a)) + moved, len(b) - 1)
+    mine = one.points.window(begin - 3, end).view(np.int64)
+    theirs = two.points.window(begin - 3, end + shift).view(np.int64)
+    # Control point i goes with knot i + 1, which every span that reads it reads too.
+    at = np.minimum(places[: len(mine)], len(theirs) - 1)
+    count = end - begin
+    same = np.ones(count, dtype=bool)
+    for kept, width in (
+        (b.take(places) == a, 6),
+        (moved[1:] == moved[:-1], 5),
+        ((mine == theirs.take(at, axis=0)).all(axis=1), 4),
+    ):
+        for k in range(width):
+            same &= kept[k : k + count]
+    changed = np.flatnonzero(~same)
     if not len(changed):
         return SpliceList.EMPTY
     apart = np.flatnonzero(changed[1:] > changed[:-1] + 1)
     starts, stops = changed[np.append(0, apart + 1)], changed[np.append(apart, len(changed) - 1)]
     knots = parameters(a[2:-2], one.domain)
     return SpliceList(zip(knots[starts].tolist(), knots[stops + 1].tolist(), strict=True))
-
-
-def _spans(curve: Graded, u: Array, begin: int, end: int) -> Indices:
-    """All that spans begin..end-1 read, as bits: (m, 6 + 4 d); ``u`` are their knots."""
-    rows = curve.points.window(begin - 3, end)
-    count = end - begin
-    columns = [u[k : k + count, None] for k in range(6)]
-    columns += [rows[k : k + count] for k in range(4)]
-    bits: Indices = np.concatenate(columns, axis=1).view(np.int64)
-    return bits
