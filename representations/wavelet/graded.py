@@ -196,25 +196,30 @@ def differences(one: Graded, two: Graded) -> SpliceList:
     begin, end = max(begin, 3), min(end, one.size)
     if begin >= end:
         return SpliceList.EMPTY
-    a, b = one.u.window(begin - 2, end + 3), two.u.window(begin - 2, end + shift + 3)
-    # Where each knot has gone; those at the ends of T are several.
-    moved = b.searchsorted(a) - np.arange(len(a))
-    moved[a == 0.0] = 0
-    moved[a == 1.0] = shift
-    places = np.minimum(np.arange(len(a)) + moved, len(b) - 1)
+    count, a = end - begin, one.u.window(begin - 2, end + 3)
     mine = one.points.window(begin - 3, end).view(np.int64)
     theirs = two.points.window(begin - 3, end + shift).view(np.int64)
-    # Control point i goes with knot i + 1, which every span that reads it reads too.
-    at = np.minimum(places[: len(mine)], len(theirs) - 1)
-    count = end - begin
+    if low == high and not shift:
+        kept = [(mine == theirs, 4)]
+    else:
+        b = two.u.window(begin - 2, end + shift + 3)
+        # Where each knot has gone; those at the ends of T are several.
+        moved = b.searchsorted(a) - np.arange(len(a))
+        moved[a == 0.0] = 0
+        moved[a == 1.0] = shift
+        places = np.minimum(np.arange(len(a)) + moved, len(b) - 1)
+        # Control point i goes with knot i + 1, which every span that reads it reads too.
+        at = np.minimum(places[: len(mine)], len(theirs) - 1)
+        kept = [
+            (mine == theirs.take(at, axis=0), 4),
+            (moved[1:, None] == moved[:-1, None], 5),
+            (b.take(places)[:, None] == a[:, None], 6),
+        ]
     same = np.ones(count, dtype=bool)
-    for kept, width in (
-        (b.take(places) == a, 6),
-        (moved[1:] == moved[:-1], 5),
-        ((mine == theirs.take(at, axis=0)).all(axis=1), 4),
-    ):
+    for equal, width in kept:
+        rows = equal.all(axis=1)
         for k in range(width):
-            same &= kept[k : k + count]
+            same &= rows[k : k + count]
     changed = np.flatnonzero(~same)
     if not len(changed):
         return SpliceList.EMPTY
