@@ -57,6 +57,9 @@ class Sketch(Tool[Polyline]):
     corner_window : float, optional
         Length of stroke on either side by which a corner is judged; by default as short as the
         noise allows.
+    straight : bool
+        Whether samples are joined by straight lines; by default a smooth curve goes through them,
+        from corner to corner.
 
     Examples
     --------
@@ -101,6 +104,8 @@ class Sketch(Tool[Polyline]):
         validator=validators.optional(length),
     )
     """Length of stroke on either side by which a corner is judged."""
+    straight: bool = field(default=False, kw_only=True, validator=validators.instance_of(bool))
+    """Whether samples are joined by straight lines."""
 
     def __attrs_post_init__(self) -> None:
         if (self.stroke is None) == (self.strokes is None):
@@ -125,6 +130,7 @@ class Sketch(Tool[Polyline]):
             noise=self.noise,
             corner_angle=self.corner_angle,
             corner_window=self.corner_window,
+            straight=self.straight,
         ).points
         if drawn.shape[1] != polyline.dimension:
             raise EditError(

@@ -1,9 +1,9 @@
 """Strokes as people draw them, made into curves: plain arrays, no representation.
 
 Reading order: ``reading`` (what a stroke is), ``noise`` and ``merging`` and ``smoothing`` (how the
-scatter of the pen goes), ``corners`` (what must stay), ``cleaning`` (all of these), ``places`` and
-``averaging`` (several strokes over each other), ``blending`` (how a stroke joins what stands),
-``from_strokes`` (a new curve).
+scatter of the pen goes), ``corners`` (what must stay), ``rounding`` (a smooth curve through few
+samples), ``cleaning`` (all of these), ``places``, ``sliding`` and ``averaging`` (several strokes
+over each other), ``blending`` (how a stroke joins what stands), ``from_strokes`` (a new curve).
 """
 
 from __future__ import annotations

@@ -13,6 +13,7 @@ from multirep.strokes.corners import find_corners
 from multirep.strokes.merging import gather
 from multirep.strokes.noise import estimate_noise
 from multirep.strokes.reading import read_stroke
+from multirep.strokes.rounding import rounded
 from multirep.strokes.smoothing import smooth
 
 #: Turns from this angle on are corners: a heptagon has them, an octagon is a rough circle; and the
@@ -53,14 +54,16 @@ def clean_stroke(
     noise: float | None = None,
     corner_angle: float = CORNER_ANGLE,
     corner_window: float | None = None,
+    straight: bool = False,
     what: str = "the stroke",
 ) -> Stroke:
     """Make a curve of what a pen drew (Grimm-Ayers 2.2.3).
 
     Repeated samples are merged. Where samples stand closer than they scatter, their mean stands
     for them; corners are found; and a smoothing spline that is free to turn there removes what is
-    left of the noise. A corner or an end moves by about its own noise, not by the smoothing. A
-    stroke without noise comes out as it is, sample by sample.
+    left of the noise. A corner or an end moves by about its own noise, not by the smoothing;
+    samples without noise stay. Where they are few a smooth curve goes through them, from corner to
+    corner.
 
     Parameters
     ----------
@@ -75,6 +78,8 @@ def clean_stroke(
     corner_window : float, optional
         Arc length on either side over which a corner is judged. By default as short as the noise
         allows.
+    straight : bool, optional
+        Whether samples are joined by straight lines instead.
     what : str, optional
         What messages call the stroke.
 
@@ -128,6 +133,8 @@ def clean_stroke(
         corners = np.unique(np.cumsum(keep)[corners] - 1)
         rows = rows[keep]
         corners = corners[(corners > 0) & (corners < len(rows) - 1)]
+    if not straight:
+        rows, corners = rounded(rows, corners)
     rows.setflags(write=False)
     return Stroke(rows, corners, noise, merged)
 

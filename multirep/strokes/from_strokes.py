@@ -21,6 +21,7 @@ def sketched(
     noise: float | None = None,
     corner_angle: float = CORNER_ANGLE,
     corner_window: float | None = None,
+    straight: bool = False,
 ) -> Stroke:
     """Clean strokes and average them into one.
 
@@ -28,7 +29,7 @@ def sketched(
     ----------
     strokes : sequence of (n, d) array_like
         Drawn over each other, in any direction.
-    noise, corner_angle, corner_window : optional
+    noise, corner_angle, corner_window, straight : optional
         See :func:`~multirep.strokes.cleaning.clean_stroke`.
 
     Returns
@@ -54,6 +55,7 @@ def sketched(
             noise=noise,
             corner_angle=corner_angle,
             corner_window=corner_window,
+            straight=straight,
             what="the stroke" if one else f"stroke {number}",
         )
         for number, points in enumerate(strokes, start=1)
@@ -68,6 +70,7 @@ def curve_from_strokes(
     noise: float | None = None,
     corner_angle: float = CORNER_ANGLE,
     corner_window: float | None = None,
+    straight: bool = False,
     kinds: Iterable[type[Representation]] | None = None,
 ) -> MultiRepresentation:
     """Start a curve from one stroke or several over each other.
@@ -77,7 +80,7 @@ def curve_from_strokes(
     strokes : sequence of (n, d) array_like
     tolerance : float
         Of the new curve.
-    noise, corner_angle, corner_window : optional
+    noise, corner_angle, corner_window, straight : optional
         See :func:`~multirep.strokes.cleaning.clean_stroke`.
     kinds : iterable of Representation classes, optional
         Which representations to keep; by default all registered ones.
@@ -91,7 +94,7 @@ def curve_from_strokes(
     --------
     >>> curve = curve_from_strokes([[[0, 0], [1, 0.1], [2, 0]]], tolerance=1e-3)
     >>> curve.view("polyline").size
-    3
+    5
     """
     from multirep.multirepresentation import MultiRepresentation
 

@@ -187,7 +187,8 @@ def test_any_strokes_have_a_mean_or_a_reason(drawn: list[Array], noise: float | 
     assert len(points) >= 2
     assert (points[1:] != points[:-1]).any(axis=1).all()
     every = np.concatenate(drawn)
-    margin = 8 * mean.noise + 1e-9 * np.abs(every).max()
+    steps = [np.linalg.norm(np.diff(rows, axis=0), axis=1).max() for rows in drawn]
+    margin = 8 * mean.noise + 0.4 * max(steps)
     assert (points >= every.min(axis=0) - margin).all()
     assert (points <= every.max(axis=0) + margin).all()
     assert ((mean.corners >= 0) & (mean.corners < len(points))).all()

@@ -20,6 +20,11 @@ from multirep.testing.strategies import strokes
 DENSE = circle(np.linspace(0, 1, 5001))
 
 
+def bulge(*drawn: Array) -> float:
+    """How far a rounded stroke may leave the segments between its samples."""
+    return max(0.4 * np.linalg.norm(np.diff(rows, axis=0), axis=1).max() for rows in drawn)
+
+
 @given(strokes(), st.sampled_from([None, 0.0, 0.5]))
 def test_whatever_is_drawn_becomes_a_curve(stroke: Array, noise: float | None) -> None:
     """Finite, neighbours distinct, two points or more, near the samples; or all of it is noise."""
@@ -35,7 +40,7 @@ def test_whatever_is_drawn_becomes_a_curve(stroke: Array, noise: float | None) -
     assert (points[1:] != points[:-1]).any(axis=1).all()
     assert not points.flags.writeable
     low, high = stroke.min(axis=0), stroke.max(axis=0)
-    margin = 8 * cleaned.noise + 1e-9
+    margin = 8 * cleaned.noise + bulge(stroke)
     assert (points >= low - margin).all()
     assert (points <= high + margin).all()
 
@@ -43,10 +48,10 @@ def test_whatever_is_drawn_becomes_a_curve(stroke: Array, noise: float | None) -
 @given(strokes())
 def test_without_noise_nothing_moves(stroke: Array) -> None:
     """With noise = 0 the samples are the points, and backwards is backwards."""
-    cleaned = clean_stroke(stroke, noise=0.0)
+    cleaned = clean_stroke(stroke, noise=0.0, straight=True)
     distinct = stroke[np.concatenate([[True], (stroke[1:] != stroke[:-1]).any(axis=1)])]
     assert (cleaned.points == distinct).all()
-    back = clean_stroke(stroke[::-1], noise=0.0)
+    back = clean_stroke(stroke[::-1], noise=0.0, straight=True)
     assert (back.points == cleaned.reversed().points).all()
 
 
@@ -165,8 +170,8 @@ def test_a_hundred_thousand_samples_take_a_moment(noise: float) -> None:
         drawn = scatter(circle(uneven(count)), noise)
         best = np.inf
         for _ in range(3):
-            begin = time.perf_counter()
+            begin = time.process_time()
             clean_stroke(drawn)
-            best = min(best, time.perf_counter() - begin)
+            best = min(best, time.process_time() - begin)
         seconds.append(best)
     assert seconds[1] <= 20 * seconds[0] + 0.05

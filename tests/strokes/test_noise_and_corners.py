@@ -36,7 +36,7 @@ def test_a_smooth_stroke_has_no_noise(curve, count: int) -> None:  # type: ignor
     for at in (np.linspace(0, 1, count), uneven(count)):
         points = curve(at)
         assert estimate_noise(points) == 0.0
-        assert (clean_stroke(points).points == points).all()
+        assert (clean_stroke(points, straight=True).points == points).all()
 
 
 def test_a_zigzag_is_a_drawing() -> None:
@@ -53,7 +53,7 @@ def test_the_digitised_pen_strokes_are_kept() -> None:
         for drawn in item["strokes"]:
             rows = np.array(drawn, dtype=float)
             distinct = rows[np.concatenate([[True], (rows[1:] != rows[:-1]).any(axis=1)])]
-            stroke = clean_stroke(drawn)
+            stroke = clean_stroke(drawn, straight=True)
             assert (stroke.points == distinct).all(), item["name"]
 
 
@@ -93,7 +93,7 @@ def test_smooth_strokes_have_no_corners(curve, noise: float, count: int) -> None
 @given(strokes())
 def test_sharp_turns_of_clean_strokes_are_the_corners(stroke: Array) -> None:
     """Without noise each turn of the angle or more is a corner."""
-    cleaned = clean_stroke(stroke, noise=0.0)
+    cleaned = clean_stroke(stroke, noise=0.0, straight=True)
     steps = np.diff(cleaned.points, axis=0)
     turns = angles_between(steps[:-1], steps[1:])
     assert set(np.flatnonzero(turns >= FIFTY) + 1) <= set(cleaned.corners.tolist())

@@ -281,17 +281,19 @@ def test_a_tail_is_drawn_and_cut_off_again() -> None:
 def test_the_cost_does_not_grow_with_the_curve() -> None:
     """The same stroke over the same stretch: 10^5 vertices at most twice 10^3."""
 
-    def seconds(count: int) -> float:
+    def prepared(count: int) -> tuple[Oversketch, Polyline]:
         x = 0.01 * np.arange(count)
         curve = Polyline.from_points(np.stack([x, np.sin(x)], axis=1))
         u = np.linspace(4, 5, 80)
         tool = Oversketch(stroke=np.stack([u, np.sin(u) + 0.3 * np.sin(np.pi * u) ** 2], axis=1))
-        tool.edit(curve, SCENE)
-        samples = []
-        for _ in range(40):
-            begin = time.perf_counter()
-            tool.edit(curve, SCENE)
-            samples.append(time.perf_counter() - begin)
-        return float(np.min(samples))
+        tool.edit(curve, SCENE)  # makes the boxes
+        return tool, curve
 
-    assert seconds(100_000) <= 2 * seconds(1_000)
+    cases = prepared(1_000), prepared(100_000)
+    seconds = [np.inf, np.inf]
+    for _ in range(60):  # in turn, and time of this process: other work of the machine slows both
+        for k, (tool, curve) in enumerate(cases):
+            begin = time.process_time()
+            tool.edit(curve, SCENE)
+            seconds[k] = min(seconds[k], time.process_time() - begin)
+    assert seconds[1] <= 2 * seconds[0]

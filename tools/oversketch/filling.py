@@ -17,7 +17,7 @@ from multirep.tools.oversketch.gap import Gap
 
 #: The apron over which an end is blended: this part of the stroke, or so many times the distance of
 #: its end from the curve if that is longer, but never more than a third.
-APRON, APRON_PER_GAP, LONGEST_APRON = 1 / 10, 4.0, 1 / 3
+APRON, APRON_PER_GAP, LONGEST_APRON = 1 / 10, 8.0, 1 / 3
 #: Stations in an apron: as close as the curve's vertices beside it, within these limits. With 48 a
 #: chord of the blend is off by at most 1/3000 of the apron.
 FEWEST, MOST = 48, 1024

@@ -42,13 +42,16 @@ class Oversketch(Tool[Polyline]):
         the length that each had, with a vertex at each.
     apron : float, optional
         Length of stroke over which either end is bent towards its join; the rest keeps its shape.
-        By default a tenth of the stroke, or four times the distance of that end from the curve if
+        By default a tenth of the stroke, or eight times the distance of that end from the curve if
         that is longer; never more than a third.
     reach : float, optional
         How far the ends of the stroke may be from the curve; by default a quarter of its length.
     noise : float, optional
         How much samples scatter (standard deviation of each coordinate); 0 keeps every sample. By
         default estimated.
+    straight : bool
+        Whether samples are joined by straight lines; by default a smooth curve goes through them,
+        from corner to corner.
 
     Examples
     --------
@@ -90,6 +93,8 @@ class Oversketch(Tool[Polyline]):
         validator=validators.optional(length_or_zero),
     )
     """How much samples scatter; by default estimated."""
+    straight: bool = field(default=False, kw_only=True, validator=validators.instance_of(bool))
+    """Whether samples are joined by straight lines."""
 
     def edit(self, polyline: Polyline, scene: Scene) -> Edit[Polyline]:
         """Return the polyline with the stretch replaced.
@@ -105,7 +110,7 @@ class Oversketch(Tool[Polyline]):
             When it is far from the curve (says how far, and what is allowed), when both its ends
             mean one place of the curve, or when it has another number of coordinates.
         """
-        drawn = clean_stroke(self.stroke, noise=self.noise).points
+        drawn = clean_stroke(self.stroke, noise=self.noise, straight=self.straight).points
         if drawn.shape[1] != polyline.dimension:
             raise EditError(
                 f"the stroke has {drawn.shape[1]} coordinates, the curve {polyline.dimension}"
