@@ -120,12 +120,16 @@ class Framework:
 
     def release(self, curve: str, name: str) -> None:
         """Remove a constraint; what it kept frozen is free again."""
-        target = self.curve(curve)
+        self.curve(curve)
         if name not in self._constraints[curve]:
             raise UnknownNameError("constraint", name, self._constraints[curve])
+        self._release(curve, name)
+
+    def _release(self, curve: str, name: str, *, tidy: bool = True) -> None:
+        target = self._curves[curve]
         with self._everything_or_nothing(curve):
             if name in target.claims:
-                target.thaw(name)
+                target.thaw(name, tidy=tidy)
             del self._constraints[curve][name]
 
     def _add(self, curve: str, name: str, constraint: Constraint[Any]) -> Settlement:
@@ -287,7 +291,7 @@ class Framework:
         try:
             with self._everything_or_nothing(curve):
                 for name in without:
-                    self.release(curve, name)
+                    self._release(curve, name, tidy=False)  # the attempt may name a control
                 attempt()
                 raise _TakeBack
         except _TakeBack:

@@ -50,8 +50,11 @@ def with_claim(state: State, name: str, asked: SpliceList) -> State:
     return _prepared(state, claims, state.frozen, asked)
 
 
-def without_claim(state: State, name: str) -> State:
-    """Return the state in which what ``name`` froze is free, as far as no other claim holds it."""
+def without_claim(state: State, name: str, *, tidy: bool = True) -> State:
+    """Return the state in which what ``name`` froze is free, as far as no other claim holds it.
+
+    With ``tidy``, helper controls at its ends are taken back (:meth:`Representation.released`).
+    """
     claims = {other: splices for other, splices in state.claims.items() if other != name}
     keep = claimed(claims.values())
     after = (
@@ -59,7 +62,7 @@ def without_claim(state: State, name: str) -> State:
         if claims
         else attrs.evolve(state, claims={}, frozen=SpliceList.EMPTY)
     )
-    return _tidied(after)
+    return _tidied(after) if tidy else after
 
 
 def claimed(claims: Iterable[SpliceList]) -> SpliceList:

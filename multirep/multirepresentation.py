@@ -346,14 +346,17 @@ class MultiRepresentation:
             self.view(kind)
         self._state = with_claim(self._state, name, _region(where, self.domain))
 
-    def thaw(self, name: str) -> None:
-        """Release what was frozen under ``name``; stretches that others froze stay so."""
+    def thaw(self, name: str, *, tidy: bool = True) -> None:
+        """Release what was frozen under ``name``; stretches that others froze stay so.
+
+        With ``tidy``, representations take the controls back that the freeze cost them.
+        """
         if name not in self._state.claims:
             raise UnknownNameError("frozen stretch", name, self._state.claims)
         if len(self._state.claims) > 1:
             for kind in self._kinds:
                 self.view(kind)
-        self._state = without_claim(self._state, name)
+        self._state = without_claim(self._state, name, tidy=tidy)
 
     def snapshot(self) -> State:
         """Return the whole state, O(1); nothing is copied."""

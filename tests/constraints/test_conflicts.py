@@ -1,4 +1,4 @@
-"""Conflicts: each rejects the edit, changes nothing, says who, where, how far off, and the way out."""
+"""Conflicts reject the edit, change nothing, say who, where, how far off, and the way out."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ from multirep.tools import Corner, DirectManipulation, InsertKnot, MoveControlPo
 
 @attrs.frozen
 class Above(Constraint[Nurbs]):
-    """The curve at ``t`` is ``height`` above the curve at ``base``: moves a control point at ``t``."""
+    """The curve at ``t`` is ``height`` above the curve at ``base``; moves control points at t."""
 
     name = "above"
     needs = Nurbs
@@ -45,8 +45,8 @@ class Above(Constraint[Nurbs]):
         return float(abs(value(self.t)[1] - value(self.base)[1] - self.height))
 
     def enforce(self, value: Nurbs, change: SpliceList, scene: Scene) -> Edit[Nurbs]:
-        target = value(self.t) + [0, value(self.base)[1] + self.height - value(self.t)[1]]
-        return PointConstraint(t=self.t, point=tuple(target)).enforce(value, change, scene)
+        target = float(value(self.t)[0]), float(value(self.base)[1]) + self.height
+        return PointConstraint(t=self.t, point=target).enforce(value, change, scene)
 
 
 def curve() -> mr.MultiRepresentation:
@@ -163,13 +163,17 @@ def test_more_conditions_than_control_points() -> None:
     """However many knots are added, as many points at almost one place cannot all be passed."""
     session = mr.Session()
     session.add("c", curve())
-    named: dict[str, float] = {}
+    points = {
+        f"p{k}": PointConstraint(t=0.5 + 1e-9 * k, point=(2.0, (-1.0) ** k)) for k in range(9)
+    }
+
+    def add_all() -> None:
+        for name, point in points.items():
+            session.constrain("c", point, name=name)
+
     with pytest.raises(ConflictError) as caught:
-        for k in range(9):
-            named[f"p{k}"] = 0.5 + 1e-9 * k
-            point = PointConstraint(t=named[f"p{k}"], point=(2.0, (-1.0) ** k))
-            session.constrain("c", point, name=f"p{k}")
-    assert set(caught.value.constraints) <= set(named)
+        add_all()
+    assert set(caught.value.constraints) <= set(points)
     assert len(caught.value.constraints) >= 2
     assert "ask for more than the control points around t = 0.5" in str(caught.value)
 

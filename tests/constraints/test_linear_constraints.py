@@ -1,4 +1,4 @@
-"""Point, derivative and corner constraints: one least-norm solve, local, exact, also when crowded."""
+"""Point, derivative and corner constraints: one least-norm solve, local, exact, even crowded."""
 
 from __future__ import annotations
 
@@ -51,6 +51,10 @@ def enforced(
     )
 
 
+def above(point: np.ndarray, shift: list[float]) -> tuple[float, ...]:
+    return tuple((point + np.array(shift)).tolist())
+
+
 def residuals(curve: Nurbs, *constraints: LinearConstraint) -> float:
     return max(constraint.residual(curve) for constraint in constraints)
 
@@ -64,7 +68,7 @@ def residuals(curve: Nurbs, *constraints: LinearConstraint) -> float:
 def test_a_point_is_met_to_rounding(degree: int, rational: bool, t: float) -> None:
     """Of polynomial and rational curves of any degree, anywhere."""
     curve = wavy(degree=degree, rational=rational)
-    target = tuple((curve(t) + [0.1, 0.3]).tolist())
+    target = above(curve(t), [0.1, 0.3])
     constraint = PointConstraint(t=t, point=target)
     value = enforced(curve, constraint).value
     assert constraint.residual(value) <= 1e-14 * value.magnitude
@@ -89,7 +93,7 @@ def test_the_ends_of_the_curve_stay_while_they_can() -> None:
     """A point near the end moves without it; the end itself moves when it is what is asked for."""
     curve = wavy()
     t = 0.5 * float(curve.knots[4])
-    near = enforced(curve, PointConstraint(t=t, point=tuple(curve(t) + [0, 1]))).value
+    near = enforced(curve, PointConstraint(t=t, point=above(curve(t), [0, 1]))).value
     assert (near(0.0) == curve(0.0)).all()
     end = enforced(curve, PointConstraint(t=0.0, point=(-1.0, 0.0))).value
     assert end(0.0).tolist() == [-1.0, 0.0]
@@ -192,10 +196,8 @@ def groups(draw: st.DrawFn) -> list[LinearConstraint]:
 
 
 @given(groups(), st.integers(4, 24), st.booleans())
-def test_a_group_is_met_in_one_solve(
-    group: list[LinearConstraint], n: int, rational: bool
-) -> None:
-    """Whatever the number of control points to begin with; knots are added where they are too few."""
+def test_a_group_is_met_in_one_solve(group: list[LinearConstraint], n: int, rational: bool) -> None:
+    """Whatever the number of control points; knots are added where they are too few."""
     curve = wavy(n, rational=rational)
     value = enforced(curve, *group).value
     assert residuals(value, *group) <= 1e-12 * max(value.magnitude, 1)
@@ -227,7 +229,7 @@ def test_what_holds_in_the_group_keeps_holding() -> None:
     """The neighbour of a moved point stays where it is claimed."""
     curve = wavy()
     near = PointConstraint(t=0.47, point=tuple(curve(0.47).tolist()))
-    moved = PointConstraint(t=0.5, point=tuple((curve(0.5) + [0, 0.2]).tolist()))
+    moved = PointConstraint(t=0.5, point=above(curve(0.5), [0, 0.2]))
     value = enforced(curve, near, moved).value
     assert residuals(value, near, moved) <= 1e-13
 
@@ -244,7 +246,7 @@ def test_an_aim_is_kept_beside_a_constraint() -> None:
     curve = wavy()
     place = 0.47
     scene = Scene(aims=(Aim(place, tuple(curve(place).tolist())),))
-    constraint = PointConstraint(t=0.5, point=tuple((curve(0.5) + [0, 0.2]).tolist()))
+    constraint = PointConstraint(t=0.5, point=above(curve(0.5), [0, 0.2]))
     value = enforced(curve, constraint, scene=scene).value
     np.testing.assert_allclose(value(place), curve(place), atol=1e-13)
 
@@ -258,7 +260,7 @@ def test_the_curve_leaves_a_frozen_stretch_smoothly(t: float) -> None:
     edge = 0.5
     curve = wavy().held(mr.Interval(0.2, edge))[0].value
     scene = Scene(frozen=SpliceList([(0.2, edge)]))
-    constraint = PointConstraint(t=t, point=tuple((curve(t) + [0, 0.01]).tolist()))
+    constraint = PointConstraint(t=t, point=above(curve(t), [0, 0.01]))
     edit = enforced(curve, constraint, scene=scene)
     assert constraint.residual(edit.value) <= 1e-13
     s = np.linspace(0.2, edge, 301)
@@ -276,7 +278,7 @@ def test_a_point_inside_the_ice_cannot_be_moved() -> None:
     """It says so with its name."""
     curve = wavy().held(mr.Interval(0.2, 0.5))[0].value
     scene = Scene(frozen=SpliceList([(0.2, 0.5)]))
-    with pytest.raises(FrozenError, match="'c0' cannot hold at t = 0.3") as caught:
+    with pytest.raises(FrozenError, match=r"'c0' cannot hold at t = 0.3") as caught:
         enforced(curve, PointConstraint(t=0.3, point=(0.0, 9.0)), scene=scene)
     assert caught.value.constraints == ("c0",)
     holds = PointConstraint(t=0.3, point=tuple(curve(0.3).tolist()))
@@ -302,10 +304,10 @@ def test_constraints_hold_through_edits_in_every_representation(
     curve = mr.MultiRepresentation.from_points(points, tolerance=epsilon)
     framework = mr.Framework()
     framework.add("c", curve)
-    pin = PointConstraint(t=0.3, point=tuple(curve.view(Nurbs)(0.3) + [0, 0.1 * scale]))
+    pin = PointConstraint(t=0.3, point=above(curve.view(Nurbs)(0.3), [0, 0.1 * scale]))
     ear = CornerConstraint(
         t=0.6,
-        point=tuple(curve.view(Nurbs)(0.6) + [0, 0.2 * scale]),
+        point=above(curve.view(Nurbs)(0.6), [0, 0.2 * scale]),
         left=(3 * scale, 5 * scale),
         right=(3 * scale, -5 * scale),
     )
