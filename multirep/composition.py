@@ -13,6 +13,7 @@ from time import perf_counter_ns
 import numpy as np
 
 from multirep.arrays import Array
+from multirep.errors import MultirepError, PluginError
 from multirep.events import Event, Sampled
 from multirep.interval import Interval
 from multirep.representation import Representation
@@ -56,7 +57,7 @@ def compose(
     for stretch, name in state.authors.segments(interval):
         begin = perf_counter_ns()
         author = state.author_value(name)
-        piece = author.sample(stretch, tolerance=tolerance)
+        piece = _sampled(author, stretch, tolerance)
         if fixed[0] is not None and stretch.start == interval.start:
             piece = _short_end(author, piece, tolerance, fixed[0], first=True)
         if fixed[1] is not None and stretch.stop == interval.stop:
@@ -103,6 +104,27 @@ def chord_bounds(sampled: SampledSplice) -> Array:
     return np.full(len(sampled.t) - 1, sampled.bound)
 
 
+def _sampled(author: Representation, stretch: Interval, tolerance: float) -> SampledSplice:
+    """Sample an author; PluginError when what comes back is not what was asked for."""
+    try:
+        piece = author.sample(stretch, tolerance=tolerance)
+    except MultirepError:
+        raise
+    except Exception as error:
+        raise PluginError(
+            f"{author.name!r}.sample failed with {type(error).__name__}: {error}", author.name
+        ) from error
+    if not isinstance(piece, SampledSplice) or piece.interval != stretch:
+        found = piece.interval if isinstance(piece, SampledSplice) else f"a {type(piece).__name__}"
+        raise PluginError(f"{author.name!r}.sample({stretch}) returned {found}", author.name)
+    if not piece.bound <= tolerance:
+        raise PluginError(
+            f"{author.name!r}.sample certified {piece.bound:g} where {tolerance:g} was asked for",
+            author.name,
+        )
+    return piece
+
+
 def _short_end(
     author: Representation,
     piece: SampledSplice,
@@ -118,7 +140,7 @@ def _short_end(
     if bounds[end] <= SHORT_FIRST_CHORDS * tolerance or gap <= tolerance:
         return piece
     chord = Interval(*(piece.t[:2] if first else piece.t[-2:]).tolist())
-    fine = author.sample(chord, tolerance=SHORT_FIRST_CHORDS * tolerance)
+    fine = _sampled(author, chord, SHORT_FIRST_CHORDS * tolerance)
     if len(piece.t) == 2:
         return fine
     rest = SampledSplice(

@@ -137,14 +137,16 @@ class Registry:
 
     def register(self, plugin: type) -> None:
         """Add one class; nothing is changed when it is refused."""
+        if not isinstance(plugin, type):
+            raise RegistrationError(f"a plugin is a class; got {plugin!r}", plugin)
         source = f"{plugin.__module__}.{plugin.__qualname__}"
-        if isinstance(plugin, type) and issubclass(plugin, Representation):
+        if issubclass(plugin, Representation):
             validate(plugin, "representation", Representation)
             self.representations._add(plugin.name, plugin, source)
-        elif isinstance(plugin, type) and issubclass(plugin, Tool):
+        elif issubclass(plugin, Tool):
             validate(plugin, "tool", Tool)
             self.tools._add(plugin.name, plugin, source)
-        elif isinstance(plugin, type) and issubclass(plugin, Constraint):
+        elif issubclass(plugin, Constraint):
             validate(plugin, "constraint", Constraint)
             self.constraints._add(plugin.name, plugin, source)
         else:

@@ -17,7 +17,13 @@ import numpy as np
 
 from multirep.composition import compose
 from multirep.edit import Edit
-from multirep.errors import InvariantError, PluginError, ToleranceError, UnreportedChangeError
+from multirep.errors import (
+    InvariantError,
+    MultirepError,
+    PluginError,
+    ToleranceError,
+    UnreportedChangeError,
+)
 from multirep.events import Event, Fitted
 from multirep.interval import Interval
 from multirep.representation import Representation
@@ -61,11 +67,19 @@ def bring_up_to_date(
         When a representation breaks its contract.
     """
     held = state.held[kind.name]
-    if held.value is None:
-        return state.with_held(kind.name, Held(_first_fit(state, kind, emit), SpliceList.EMPTY))
-    for stale in _jobs(state, kind.name, where):
-        held = _splice_in(state, kind, held, stale, emit)
-        state = state.with_held(kind.name, held)
+    try:
+        if held.value is None:
+            return state.with_held(kind.name, Held(_first_fit(state, kind, emit), SpliceList.EMPTY))
+        for stale in _jobs(state, kind.name, where):
+            held = _splice_in(state, kind, held, stale, emit)
+            state = state.with_held(kind.name, held)
+    except MultirepError:
+        raise
+    except Exception as error:
+        raise PluginError(
+            f"bringing {kind.name!r} up to date failed with {type(error).__name__}: {error}",
+            kind.name,
+        ) from error
     return state
 
 
@@ -101,11 +115,25 @@ def _first_fit(
     try:
         value = kind.fit(sampled, tolerance=FIRST_SHARE * rest)
     except ToleranceError:
-        value = kind.fit(sampled, tolerance=rest)
+        try:
+            value = kind.fit(sampled, tolerance=rest)
+        except ToleranceError as error:
+            raise ToleranceError(
+                f"{kind.name} cannot follow the curve within {state.tolerance:g}: {error}",
+                tolerance=state.tolerance,
+                reachable=error.reachable,
+                where=error.where,
+            ) from error
     if not isinstance(value, kind):
         raise PluginError(f"{kind.name!r}.fit returned a {type(value).__name__}", kind.name)
-    elapsed = (perf_counter_ns() - begin) / 1000
     domain = state.authors.domain
+    if value.domain != domain or value.dimension != sampled.dimension:
+        raise PluginError(
+            f"{kind.name!r}.fit returned a curve over {value.domain} in {value.dimension} "
+            f"coordinates, not over {domain} in {sampled.dimension}",
+            kind.name,
+        )
+    elapsed = (perf_counter_ns() - begin) / 1000
     emit(Fitted(kind.name, domain, SpliceList([domain]), value.size, rest, elapsed))
     return value
 
