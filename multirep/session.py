@@ -1,36 +1,84 @@
-"""A session: a framework with a history of undoable gestures."""
+"""A session: a framework with a history of undoable gestures and a journal to do it all again."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
+from pathlib import Path
 from typing import Any
+
+import attrs
 
 from multirep.constraint import Constraint
 from multirep.errors import HistoryError
 from multirep.framework import CurveState, Framework
+from multirep.journal import (
+    Added,
+    Applied,
+    Constrained,
+    Entry,
+    Gestured,
+    Journal,
+    Looked,
+    Meddled,
+    Released,
+    Reparameterized,
+    ToleranceSet,
+    Travelled,
+)
 from multirep.multirepresentation import MultiRepresentation
 from multirep.outcome import Outcome
 from multirep.reparameterization import ParameterMap
 from multirep.tool import Tool
 
 
+class Established(str):
+    """The name of a constraint that was added, with what adding it did as ``outcome``."""
+
+    __slots__ = ("outcome",)
+
+    outcome: Outcome
+
+    def __new__(cls, name: str, outcome: Outcome) -> Established:
+        """Make a name with an outcome."""
+        self = super().__new__(cls, name)
+        self.outcome = outcome
+        return self
+
+
 class Gesture:
     """Several applications that are one undo step (a drag); see :meth:`Session.gesture`."""
 
-    def __init__(self, framework: Framework, curve: str) -> None:
+    def __init__(self, framework: Framework, curve: str, journal: Journal) -> None:
         self._framework = framework
         self._curve = curve
+        self._journal = journal
+        self._entries: list[Applied | Looked | Meddled] = []
 
     def apply(self, tool: Tool[Any]) -> Outcome:
         """Apply a tool to the curve of the gesture."""
-        return self._framework.apply(self._curve, tool)
+        self._entries += self._journal.unnoticed(self._framework.curves)
+        outcome = self._framework.apply(self._curve, tool)
+        self._entries.append(Applied(self._curve, tool))
+        self._journal.remember(self._framework.curves)
+        return outcome
+
+
+@attrs.frozen(eq=False)
+class _Moment:
+    """Which curves there were, and their states."""
+
+    curves: Mapping[str, MultiRepresentation]
+    states: Mapping[str, CurveState]
 
 
 class Session:
     """Curves that are edited by tools, with undo and redo by gesture.
 
-    A new edit after an undo drops what could have been redone, as in editors.
+    Everything that it offers is an undo step: edits, constraints, tolerance, parameters, and curves
+    that come in later; those that were added before anything was done are what it starts from. A
+    new step after an undo drops what could have been redone, as in editors. :meth:`script` writes
+    down what was done.
 
     Examples
     --------
@@ -50,12 +98,23 @@ class Session:
 
     def __init__(self) -> None:
         self.framework = Framework()
-        self._past: list[Mapping[str, CurveState]] = []
-        self._future: list[Mapping[str, CurveState]] = []
+        self.journal = Journal()
+        self._past: list[_Moment] = []
+        self._future: list[_Moment] = []
+        self._open = False
 
     def add(self, name: str, curve: MultiRepresentation) -> None:
-        """Add a curve under a new name."""
-        self.framework.add(name, curve)
+        """Add a curve under a new name: one undo step, but for those from before the first step."""
+        state = curve.snapshot()
+        if self._past or self._future:
+            with self._step() as entries:
+                self.framework.add(name, curve)
+                entries.append(Added(name, state, curve.kinds, True))
+        else:
+            self.framework.add(name, curve)
+            self.journal.write(*self.journal.unnoticed(self.curves))
+            self.journal.write(Added(name, state, curve.kinds, False))
+            self.journal.remember(self.curves)
 
     def curve(self, name: str) -> MultiRepresentation:
         """Return a curve by name."""
@@ -68,23 +127,41 @@ class Session:
 
     def apply(self, curve: str, tool: Tool[Any]) -> Outcome:
         """Apply a tool as one undo step; see :meth:`multirep.Framework.apply`."""
-        with self._step():
+        with self._step() as entries:
+            entries.append(Applied(curve, tool))
             return self.framework.apply(curve, tool)
 
-    def constrain(self, curve: str, constraint: Constraint[Any], *, name: str | None = None) -> str:
-        """Add a constraint as one undo step; returns its name."""
-        with self._step():
-            return self.framework.constrain(curve, constraint, name=name)[0]
+    def constrain(
+        self, curve: str, constraint: Constraint[Any], *, name: str | None = None
+    ) -> Established:
+        """Add a constraint as one undo step.
+
+        Returns
+        -------
+        Established
+            Its name, as a string; ``outcome`` has what changed and the residuals.
+
+        Raises
+        ------
+        ConflictError
+            When it cannot hold together with the others; see :meth:`multirep.Framework.constrain`.
+        """
+        with self._step() as entries:
+            given, outcome = self.framework.constrain(curve, constraint, name=name)
+            entries.append(Constrained(curve, constraint, given))
+            return Established(given, outcome)
 
     def release(self, curve: str, name: str) -> None:
         """Remove a constraint as one undo step."""
-        with self._step():
+        with self._step() as entries:
+            entries.append(Released(curve, str(name)))
             self.framework.release(curve, name)
 
-    def set_tolerance(self, curve: str, tolerance: float) -> None:
+    def set_tolerance(self, curve: str, tolerance: float) -> Outcome:
         """Change the tolerance of a curve as one undo step."""
-        with self._step():
-            self.framework.set_tolerance(curve, tolerance)
+        with self._step() as entries:
+            entries.append(ToleranceSet(curve, float(tolerance)))
+            return self.framework.set_tolerance(curve, tolerance)
 
     def reparameterize(self, curve: str, mapping: ParameterMap = "even") -> Outcome:
         """Map the parameters of a curve as one undo step; by default to even speed.
@@ -92,26 +169,48 @@ class Session:
         See :meth:`multirep.MultiRepresentation.reparameterize` for other maps, and
         :meth:`multirep.Framework.reparameterize` for when it is refused.
         """
-        with self._step():
+        with self._step() as entries:
+            entries.append(Reparameterized(curve, mapping))
             return self.framework.reparameterize(curve, mapping)
 
     @contextmanager
     def gesture(self, curve: str) -> Iterator[Gesture]:
-        """Apply several tools as one undo step; an exception undoes all of them."""
+        """Apply several tools as one undo step; an exception undoes all of them.
+
+        Until the block ends, everything else that this session offers is refused.
+        """
         self.framework.curve(curve)
-        with self._step():
-            yield Gesture(self.framework, curve)
+        with self._step() as entries:
+            gesture = Gesture(self.framework, curve, self.journal)
+            yield gesture
+            entries.append(Gestured(curve, tuple(gesture._entries)))
+            entries += self.journal.unnoticed(self.curves)
 
     @contextmanager
-    def _step(self) -> Iterator[None]:
-        before = self.framework.snapshot()
+    def _step(self) -> Iterator[list[Entry]]:
+        """One undo step; the block adds to the list what the journal shall say of it."""
+        before = self._settled("change anything")
+        entries: list[Entry] = []
+        self._open = True
         try:
-            yield
+            yield entries
         except BaseException:
-            self.framework.restore(before)
+            self._go(before)
             raise
+        finally:
+            self._open = False
         self._past.append(before)
         self._future.clear()
+        self.journal.write(*entries)
+        self.journal.remember(self.curves)
+
+    def _settled(self, verb: str) -> _Moment:
+        """Write down what was looked at since the last step; return how everything is now."""
+        if self._open:
+            raise HistoryError(f"cannot {verb} beside an open gesture, but by its own apply()")
+        curves = self.curves
+        self.journal.write(*self.journal.unnoticed(curves))
+        return _Moment(curves, self.framework.snapshot())
 
     # -- history -----------------------------------------------------------------------------------
 
@@ -139,17 +238,70 @@ class Session:
         """Go forth again after an undo."""
         self._travel(steps, self._future, self._past, "redo")
 
-    def _travel(
-        self,
-        steps: int,
-        source: list[Mapping[str, CurveState]],
-        target: list[Mapping[str, CurveState]],
-        verb: str,
-    ) -> None:
+    def _travel(self, steps: int, source: list[_Moment], target: list[_Moment], verb: str) -> None:
         if steps < 1:
             raise HistoryError(f"steps to {verb} must be 1 or more, got {steps}")
         if steps > len(source):
             raise HistoryError(f"cannot {verb} {steps} steps: there are {len(source)}")
+        moment = self._settled(verb)
         for _ in range(steps):
-            target.append(self.framework.snapshot())
-            self.framework.restore(source.pop())
+            target.append(moment)
+            moment = source.pop()
+        self._go(moment)
+        self.journal.write(Travelled(verb == "undo", steps))
+
+    def _go(self, moment: _Moment) -> None:
+        there = self.framework.curves
+        for name in there.keys() - moment.curves.keys():
+            self.framework.remove(name)
+        for name in moment.curves:
+            if name not in there:
+                self.framework.add(name, moment.curves[name])
+        self.framework.restore(moment.states)
+        self.journal.remember(self.curves)
+
+    # -- writing it down ---------------------------------------------------------------------------
+
+    def script(self) -> str:
+        """Return a script (TOML, DESIGN section 8) that does again all that was done here.
+
+        It gives the same values, bit for bit, in every representation, on the same machine. Undo
+        and redo are steps of it, failed attempts are not; looks at a curve between two steps are
+        written as ``view`` steps where they brought something up to date.
+
+        Raises
+        ------
+        ScriptError
+            When something cannot be written down: a curve that had been edited before it was added
+            or was changed past the session, a tool whose parameters TOML cannot say.
+
+        Examples
+        --------
+        >>> import multirep as mr
+        >>> session = mr.Session()
+        >>> session.add("line", mr.MultiRepresentation.from_points([[0, 0], [1, 0]], tolerance=0.1))
+        >>> outcome = session.set_tolerance("line", 0.2)
+        >>> print(session.script()[-41:])
+        <BLANKLINE>
+        [[step]]
+        curve = "line"
+        tolerance = 0.2
+        <BLANKLINE>
+        """
+        from multirep.script.writing import written
+
+        self.journal.write(*self.journal.unnoticed(self.curves))
+        return written(self.journal.entries)
+
+    def save_script(self, path: Path | str) -> None:
+        """Write :meth:`script` to a file, whole or not at all.
+
+        Raises
+        ------
+        ScriptError
+            Also when the file cannot be written.
+        """
+        from multirep.script.files import write_all
+
+        path = Path(path)
+        write_all(path.parent, {path.name: self.script()})

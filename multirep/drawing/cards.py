@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from multirep.arrays import Array
+from multirep.drawing.annotations import above, beneath, explained
 from multirep.drawing.controls import Controls, controls_of, draw_controls
 from multirep.drawing.frame import Frame, flatten
 from multirep.drawing.outline import trace
@@ -50,6 +51,9 @@ def bounds(subject: Subject) -> tuple[Array, Array]:
             at, points = controls_of(representation)
             if len(points):
                 controls.append(flatten(at, points, y_up=subject.y_up))
+        for stroke in curve.strokes:
+            if stroke.shape[1] == values[0].dimension > 1:
+                controls.append(flatten(np.zeros(len(stroke)), stroke, y_up=subject.y_up))
     reach = 0.15 * float((upper - lower).max())
     for flat in controls:
         lower = np.minimum(lower, np.maximum(flat.min(axis=0), lower - reach))
@@ -71,8 +75,13 @@ def drawing_area(box: Box) -> Box:
     )
 
 
-def panel(subject: Subject, kind: str, box: Box, lower: Array, upper: Array) -> Group:
-    """Draw one representation of all curves, with its controls and the changed stretches."""
+def panel(
+    subject: Subject, kind: str, box: Box, lower: Array, upper: Array, *, alone: bool = False
+) -> Group:
+    """Draw one representation of all curves, with its controls and the changed stretches.
+
+    When it is ``alone`` on the page it also shows the curve before the edits.
+    """
     frame = Frame(drawing_area(box), lower, upper)
     colour, _ = hue(kind, subject.kinds)
     clip = _clip(box)
@@ -89,11 +98,20 @@ def panel(subject: Subject, kind: str, box: Box, lower: Array, upper: Array) -> 
         controls = draw_controls(representation, place, colour)
         page = _page(representation, representation.domain, frame, subject.y_up)
         items += changed_stretches(curve, representation, frame, subject.y_up, 11.0)
-        width = 1.9 * _fineness(page, box)
+        items += beneath(curve, representation, frame, subject.y_up)
+        if alone and curve.before is not None:
+            items += former_stretches(curve, curve.before, frame, subject.y_up)
+        width = (2.6 if alone else 1.9) * _fineness(page, box)
         items += [*controls.polygon, Lines((page,), colour, width), *controls.items]
+        items += above(curve, representation, frame, subject.y_up)
         drawn.append(controls)
     sizes = sum(c.representations[kind].size for c in subject.curves if kind in c.representations)
-    notes = "; ".join(dict.fromkeys(controls.note for controls in drawn))
+    words = [*dict.fromkeys(controls.note for controls in drawn)]
+    if alone:
+        if any(curve.changed for curve in subject.curves):
+            words.append("highlighted: changed; dotted: before")
+        words.append(explained(subject.curves))
+    notes = "; ".join(word for word in words if word)
     return Group(
         (
             card(box),
@@ -122,7 +140,9 @@ def overlay(
         items += changed_stretches(curve, first, frame, subject.y_up, 15.0)
         if curve.before is not None:
             items += former_stretches(curve, curve.before, frame, subject.y_up)
+        items += beneath(curve, first, frame, subject.y_up)
         items += overlaid(curve, subject, frame, first.domain, (7.0, 3.4, 1.3))
+        items += above(curve, first, frame, subject.y_up)
     if look_at is not None:
         curve, t = look_at
         point = next(iter(curve.representations.values()))(np.array([t]))
@@ -131,6 +151,8 @@ def overlay(
     foot = "drawn within each other, the widest first"
     if any(curve.changed for curve in subject.curves):
         foot += "; highlighted: changed by the edits; dotted: before"
+    annotations = explained(subject.curves)
+    foot += f"; {annotations}" if annotations else ""
     return Group(
         (
             card(box),

@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 
+from multirep.arrays import Array
 from multirep.drawing.cards import FOOT, HEAD, MARGIN, ROOM, bounds, overlay, panel
 from multirep.drawing.legend import farthest, magnifier, table, table_height
 from multirep.drawing.palette import BODY, INK, MUTED, PAPER, TITLE
@@ -40,6 +41,8 @@ def draw(subject: Subject) -> Picture:
     size = upper - lower
     # A vertical line has no width, a level one no height; the panels stay within their bounds.
     aspect = max(float(size[0] / size[1]), 1e-9) if size[1] > 0 else math.inf
+    if len(subject.kinds) == 1:
+        return _alone(subject, aspect, lower, upper)
     columns = 1 if aspect > WIDE else min(3, len(subject.kinds))
     boxes = _grid(len(subject.kinds), columns, aspect)
     items: list[Item] = [
@@ -57,6 +60,20 @@ def draw(subject: Subject) -> Picture:
     height = max(listed.y + listed.height, large.y + large.height) + BORDER
     items = [Box(0, 0, WIDTH, height, PAPER), *_head(subject), *items]
     return Picture(WIDTH, height, subject.title, _describe(subject), tuple(items))
+
+
+def _alone(subject: Subject, aspect: float, lower: Array, upper: Array) -> Picture:
+    """Draw one representation on a page of its own: there is nothing to compare it with."""
+    [kind] = subject.kinds
+    height = _height(ROOM_FOR_ALL, aspect, cap=HIGHEST)
+    box = Box(BORDER, TITLE_HEIGHT, ROOM_FOR_ALL, height, "none")
+    page = TITLE_HEIGHT + height + BORDER
+    items: list[Item] = [
+        Box(0, 0, WIDTH, page, PAPER),
+        *_head(subject),
+        panel(subject, kind, box, lower, upper, alone=True),
+    ]
+    return Picture(WIDTH, page, subject.title, _describe(subject), tuple(items))
 
 
 def _grid(count: int, columns: int, aspect: float) -> list[Box]:
@@ -111,11 +128,13 @@ def _head(subject: Subject) -> list[Item]:
     tolerances = sorted({curve.tolerance for curve in subject.curves})
     epsilon = " and ".join(f"{tolerance:g}" for tolerance in tolerances[:4])
     edits = f"after {subject.edits} edits" if subject.edits != 1 else "after one edit"
+    alone = len(subject.kinds) == 1
+    within = "the others" if alone else "each other"
     line = (
         f"{_many(len(subject.kinds), 'representation')} of "
         f"{'one curve' if len(subject.curves) == 1 else f'{len(subject.curves)} curves'}"
         f"{', ' + edits if subject.edits else ''}, within "
-        f"\N{GREEK SMALL LETTER EPSILON} = {epsilon} of each other for all t"
+        f"\N{GREEK SMALL LETTER EPSILON} = {epsilon} of {within} for all t"
     )
     return [
         Text(BORDER + 2, 50, subject.title, TITLE, INK, bold=True),

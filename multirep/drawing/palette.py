@@ -14,6 +14,8 @@ MUTED = "#6f747f"
 FAINT = "#c3c7cf"
 #: Where the curve was changed; a highlighter under the line.
 CHANGED = "#ffe08a"
+#: Under a frozen stretch; and where the pen went.
+ICE, PENCIL = "#bfdcf2", "#8d8f96"
 
 #: Line and pale colour of each representation, in the order they are met; further ones start again.
 HUES = (

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 
 from attrs import frozen
 
+from multirep.arrays import Array
 from multirep.deviation import Deviation
 from multirep.representation import Representation
 from multirep.splices import SpliceList
@@ -27,6 +28,14 @@ class CurveSubject:
         Where the edits changed the curve.
     before : Representation or None
         The curve before the edits.
+    strokes : tuple of (n, d) arrays
+        Where the pen went.
+    frozen : SpliceList
+        Where nothing may change.
+    marks : tuple of (float, float)
+        The parameters of left and right marks.
+    pins : tuple of float
+        Parameters at which constraints hold the curve.
     """
 
     name: str
@@ -35,6 +44,10 @@ class CurveSubject:
     deviations: Mapping[tuple[str, str], Deviation]
     changed: SpliceList = SpliceList.EMPTY
     before: Representation | None = None
+    strokes: tuple[Array, ...] = ()
+    frozen: SpliceList = SpliceList.EMPTY
+    marks: tuple[tuple[float, float], ...] = ()
+    pins: tuple[float, ...] = ()
 
 
 @frozen(eq=False)

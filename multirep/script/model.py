@@ -8,6 +8,8 @@ from typing import Any, NewType
 import attrs
 from attrs import field, frozen, validators
 
+from multirep.splices import SpliceList
+
 #: A point list as nested tuples; structured by :mod:`multirep.script.strict` in one go.
 Points = NewType("Points", tuple[tuple[float, ...], ...])
 
@@ -41,7 +43,29 @@ class NurbsSource:
     weights: tuple[float, ...] | None = None
 
 
-Source = PointsSource | NurbsSource
+@frozen
+class WaveletSource:
+    """A wavelet B-spline in numbers: finest level, all knots, all control points."""
+
+    level: int = field(validator=validators.ge(0))
+    knots: tuple[float, ...]
+    points: Points
+
+
+@frozen
+class StrokesSource:
+    """Strokes of a pen over each other; the curve begins as their cleaned average.
+
+    ``noise`` and the others are the options of the tool `sketch`.
+    """
+
+    strokes: tuple[Points, ...]
+    noise: float | None = None
+    corner_angle: float | None = None
+    corner_window: float | None = None
+
+
+Source = PointsSource | NurbsSource | WaveletSource | StrokesSource
 
 
 @frozen
@@ -62,6 +86,8 @@ class CurveSpec:
         What reading the source did, for people.
     line : int or None
         Where the script has it, as far as known.
+    added : bool
+        Whether it comes in by an ``add`` step; else it is there from the start.
     """
 
     name: str = field(validator=_name)
@@ -70,6 +96,7 @@ class CurveSpec:
     representations: tuple[str, ...] | None = None
     notes: tuple[str, ...] = ()
     line: int | None = None
+    added: bool = False
 
 
 @frozen
@@ -115,7 +142,67 @@ class HistoryStep:
     line: int | None = None
 
 
-Step = ToolStep | ConstrainStep | ReleaseStep | HistoryStep
+@frozen
+class AddStep:
+    """Bring in a curve that is not there from the start."""
+
+    index: int
+    curve: str
+    line: int | None = None
+
+
+@frozen
+class ToleranceStep:
+    """Change the tolerance of a curve."""
+
+    index: int
+    curve: str
+    tolerance: float = field(validator=validators.gt(0))
+    line: int | None = None
+
+
+@frozen
+class ReparameterizeStep:
+    """Map the parameters of a curve: "even", or old and new parameters."""
+
+    index: int
+    curve: str
+    mapping: Any
+    line: int | None = None
+
+
+@frozen
+class ViewStep:
+    """Bring representations up to date now, everywhere or on some stretches; no undo step."""
+
+    index: int
+    curve: str
+    kinds: tuple[str, ...]
+    where: SpliceList | None = None
+    line: int | None = None
+
+
+@frozen
+class GestureStep:
+    """Several tools, and views between them, that are one undo step."""
+
+    index: int
+    curve: str
+    parts: tuple[ToolStep | ViewStep, ...]
+    line: int | None = None
+
+
+Step = (
+    ToolStep
+    | ConstrainStep
+    | ReleaseStep
+    | HistoryStep
+    | AddStep
+    | ToleranceStep
+    | ReparameterizeStep
+    | ViewStep
+    | GestureStep
+)
 
 
 @frozen
@@ -134,6 +221,12 @@ class Output:
         What is written above; None means the name of the script.
     y : {"down", "up"}
         Where the second axis points.
+    after : int or None
+        Drawn when so many steps are done; None means all.
+    since : int
+        What changed after so many steps is highlighted, with the curve as it was then.
+    strokes : bool
+        Whether the strokes of the tools since then are drawn.
     """
 
     svg: str
@@ -141,6 +234,9 @@ class Output:
     curves: tuple[str, ...] | None = None
     title: str | None = None
     y: str = field(default="down", validator=validators.in_(("down", "up")))
+    after: int | None = field(default=None, validator=validators.optional(validators.ge(0)))
+    since: int = field(default=0, validator=validators.ge(0))
+    strokes: bool = False
 
 
 @frozen

@@ -19,7 +19,8 @@ def picture(result: Result, output: Output) -> Picture:
         Which curves and representations; :attr:`Output.svg` is not looked at.
     """
     curves = []
-    for curve in result.curves:
+    edits = 0
+    for curve in result.seen(output):
         if output.curves is not None and curve.name not in output.curves:
             continue
         shown = {
@@ -33,9 +34,20 @@ def picture(result: Result, output: Output) -> Picture:
             if pair[0] in shown and pair[1] in shown
         }
         before = curve.before if curve.changed else None
+        edits += curve.edits
         curves.append(
-            CurveSubject(curve.name, curve.tolerance, shown, pairs, curve.changed, before)
+            CurveSubject(
+                curve.name,
+                curve.tolerance,
+                shown,
+                pairs,
+                curve.changed,
+                before,
+                strokes=curve.strokes if output.strokes else (),
+                frozen=curve.frozen,
+                marks=curve.marks,
+                pins=curve.pins,
+            )
         )
-    edits = sum(curve.edits for curve in result.curves if curve.name in {c.name for c in curves})
     title = output.title or result.script.path.stem
     return draw(Subject(title, tuple(curves), edits, output.y == "up"))

@@ -14,22 +14,21 @@ from contextlib import contextmanager
 from pathlib import Path, PurePath
 from typing import TYPE_CHECKING, Any
 
-from attrs import evolve, field, frozen, validators
+from attrs import evolve, frozen
 
-from multirep.errors import MultirepError, ScriptError, UnknownNameError
+from multirep.errors import MultirepError, ScriptError
 from multirep.script.files import read_bytes
-from multirep.script.model import (
-    ConstrainStep,
-    CurveSpec,
-    HistoryStep,
-    Output,
-    ReleaseStep,
-    Script,
-    Step,
-    ToolStep,
-)
+from multirep.script.model import AddStep, CurveSpec, Output, Script, Step, ToleranceStep
 from multirep.script.sources import SOURCE_KEYS, read_source
-from multirep.script.strict import Mismatch, check_keys, quote, structure
+from multirep.script.step_reading import StepReader
+from multirep.script.strict import (
+    Mismatch,
+    check_keys,
+    check_names,
+    quote,
+    structure,
+    structure_key,
+)
 
 if TYPE_CHECKING:
     from multirep.registry import Registry
@@ -39,11 +38,9 @@ FORMAT = 1
 #: Largest script file. Long point lists belong in a .json file beside it.
 LARGEST_SCRIPT = 32 * 2**20
 #: More than anybody writes by hand or records in a day; a bound on what a small file can ask for.
-MOST_CURVES, MOST_STEPS, MOST_OUTPUTS, MOST_TIMES = 1_000, 1_000_000, 1_000, 1_000_000
+MOST_CURVES, MOST_STEPS, MOST_OUTPUTS = 1_000, 1_000_000, 1_000
 #: Keys of a curve beside those of its source.
 CURVE_KEYS = ("name", "tolerance", "representations")
-#: What makes a step a step; exactly one of them.
-STEP_KINDS = ("tool", "constrain", "release", "undo", "redo")
 
 
 def read_script(path: Path, registry: Registry, *, tolerance: float | None = None) -> Script:
@@ -56,7 +53,7 @@ def read_script(path: Path, registry: Registry, *, tolerance: float | None = Non
     registry : Registry
         Knows the tools, constraints and representations that the script may name.
     tolerance : float, optional
-        Replaces the tolerance of every curve.
+        Replaces the tolerance of every curve, and what later steps would make of it.
 
     Returns
     -------
@@ -81,7 +78,14 @@ def read_script(path: Path, registry: Registry, *, tolerance: float | None = Non
         _check_format(table)
         curves = reader.curves(table.get("curve", []), tolerance)
         steps = reader.steps(table.get("step", []), curves)
-        outputs = reader.outputs(table.get("output", []), curves)
+        if tolerance is not None:
+            steps = tuple(
+                evolve(step, tolerance=tolerance) if isinstance(step, ToleranceStep) else step
+                for step in steps
+            )
+        late = {step.curve for step in steps if isinstance(step, AddStep)}
+        curves = tuple(evolve(curve, added=curve.name in late) for curve in curves)
+        outputs = reader.outputs(table.get("output", []), curves, len(steps))
     return Script(path, curves, steps, outputs)
 
 
@@ -101,13 +105,6 @@ def _check_format(table: Mapping[str, Any]) -> None:
     if structure(version, int) != FORMAT:
         newer = "; it needs a newer multirep" if version > FORMAT else ""
         raise Mismatch(f"expected format {FORMAT}, got {version}{newer}", "multirep")
-
-
-@frozen
-class _Times:
-    """How many gestures an undo or redo step covers."""
-
-    times: int = field(validator=[validators.ge(1), validators.le(MOST_TIMES)])
 
 
 @frozen
@@ -159,10 +156,10 @@ class _Reader:
         plain = {key: table[key] for key in CURVE_KEYS if key in table}
         kinds = None
         if "representations" in plain:
-            kinds = _structure_key(plain, "representations", tuple[str, ...])
+            kinds = structure_key(plain, "representations", tuple[str, ...])
         known = list(self.registry.representations)
         if kinds is not None:
-            _check_names(kinds, "representation", known, "representations")
+            check_names(kinds, "representation", known, "representations")
         source, author, notes = read_source(table, self.path.parent)
         if kinds is not None and author not in kinds:
             raise Mismatch(
@@ -172,10 +169,10 @@ class _Reader:
         for key in ("name", "tolerance"):
             if key not in plain:
                 raise Mismatch("missing", key)
-        epsilon = _structure_key(plain, "tolerance", float)
+        epsilon = structure_key(plain, "tolerance", float)
         if tolerance is not None:
             epsilon = tolerance
-        name = _structure_key(plain, "name", str)
+        name = structure_key(plain, "name", str)
         try:
             return CurveSpec(name, epsilon, source, kinds, notes)
         except ValueError as error:
@@ -185,65 +182,37 @@ class _Reader:
     def steps(self, tables: object, curves: tuple[CurveSpec, ...]) -> tuple[Step, ...]:
         """Read the steps, each against the tool or constraint that it names."""
         entries = _tables(tables, "step", MOST_STEPS)
-        names = [curve.name for curve in curves]
+        reader = StepReader(self.registry, tuple(curves))
         steps = []
         for index, table in enumerate(entries):
             with self.at("step", index, total=len(entries)):
                 line = _line(self.text, "step", index, len(entries))
-                steps.append(evolve(self._step(index, table, names), line=line))
+                steps.append(evolve(reader.read(index, table), line=line))
         return tuple(steps)
 
-    def _step(self, index: int, table: Mapping[str, Any], curves: list[str]) -> Step:
-        kinds = [kind for kind in STEP_KINDS if kind in table]
-        if len(kinds) != 1:
-            found = (
-                " and ".join(map(repr, kinds)) or f"only {', '.join(map(repr, table)) or 'nothing'}"
-            )
-            raise Mismatch(f"a step has exactly one of {', '.join(STEP_KINDS)}; got {found}")
-        kind = kinds[0]
-        if kind in ("undo", "redo"):
-            check_keys(table, (kind,), f"an {kind} step" if kind == "undo" else "a redo step")
-            try:
-                times = structure({"times": table[kind]}, _Times).times
-            except Mismatch as error:
-                raise Mismatch(error.problem, kind) from None
-            return HistoryStep(index, kind, times)
-        if "curve" not in table:
-            raise Mismatch(f"missing; curves are {', '.join(map(repr, curves))}", "curve")
-        curve = _structure_key(table, "curve", str)
-        _check_names((curve,), "curve", curves, "curve")
-        name = _structure_key(table, kind, str)
-        if kind == "release":
-            check_keys(table, ("curve", "release"), "a release step")
-            return ReleaseStep(index, curve, name)
-        try:
-            if kind == "tool":
-                tool = self.registry.tools[name]
-                parameters = {k: v for k, v in table.items() if k not in ("curve", "tool")}
-                return ToolStep(index, curve, name, structure(parameters, tool))
-            constraint = self.registry.constraints[name]
-            parameters = {k: v for k, v in table.items() if k not in ("curve", "constrain", "name")}
-            given = _structure_key(table, "name", str) if "name" in table else None
-            return ConstrainStep(index, curve, name, structure(parameters, constraint), given)
-        except UnknownNameError as error:
-            raise Mismatch(str(error), kind) from None
-
-    def outputs(self, tables: object, curves: tuple[CurveSpec, ...]) -> tuple[Output, ...]:
+    def outputs(
+        self, tables: object, curves: tuple[CurveSpec, ...], steps: int
+    ) -> tuple[Output, ...]:
         """Read the outputs; a file is written once and stays inside the output directory."""
         entries = _tables(tables, "output", MOST_OUTPUTS)
         outputs: list[Output] = []
         for index, table in enumerate(entries):
             with self.at("output", index, total=len(entries)):
                 entry = structure(table, Output)
+                after = steps if entry.after is None else entry.after
+                if after > steps:
+                    raise Mismatch(f"there are {steps} steps, got {after}", "after")
+                if entry.since > after:
+                    raise Mismatch(f"expected at most {after}, got {entry.since}", "since")
                 _check_output_path(entry.svg, {output.svg for output in outputs})
                 known = list(self.registry.representations)
-                _check_names(entry.show or (), "representation", known, "show")
-                _check_names(entry.curves or (), "curve", [c.name for c in curves], "curves")
+                check_names(entry.show or (), "representation", known, "show")
+                check_names(entry.curves or (), "curve", [c.name for c in curves], "curves")
                 for curve in curves:
                     if entry.curves is None or curve.name in entry.curves:
                         kept = known if curve.representations is None else curve.representations
                         what = f"representation of {curve.name!r}"
-                        _check_names(entry.show or (), what, list(kept), "show")
+                        check_names(entry.show or (), what, list(kept), "show")
                 outputs.append(entry)
         return tuple(outputs)
 
@@ -256,21 +225,6 @@ def _tables(value: object, name: str, most: int) -> list[Mapping[str, Any]]:
     if len(value) > most:
         raise Mismatch(f"expected at most {most}, got {len(value)}", name)
     return value
-
-
-def _structure_key(table: Mapping[str, Any], key: str, cls: Any) -> Any:
-    try:
-        return structure(table[key], cls)
-    except Mismatch as error:
-        raise Mismatch(error.problem, f"{key}{error.key}") from None
-
-
-def _check_names(names: tuple[str, ...], what: str, known: list[str], key: str) -> None:
-    if len(set(names)) < len(names):
-        raise Mismatch(f"names one {what} twice: {quote(list(names))}", key)
-    for name in names:
-        if name not in known:
-            raise Mismatch(str(UnknownNameError(what, name, known)), key)
 
 
 def _check_output_path(name: str, taken: set[str]) -> None:

@@ -11,8 +11,9 @@ from typing import Any
 import numpy as np
 
 from multirep.representation import Representation
+from multirep.script.history import StepResult
 from multirep.script.reading import FORMAT
-from multirep.script.running import CurveResult, Result, StepResult
+from multirep.script.running import CurveResult, Result
 
 
 def report(result: Result) -> dict[str, Any]:

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from itertools import combinations
 from pathlib import Path
-from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
-from attrs import frozen
+import numpy as np
+from attrs import evolve, field, frozen
 
+from multirep.arrays import Array
 from multirep.deviation import Deviation
 from multirep.errors import (
     ConflictError,
@@ -22,21 +23,21 @@ from multirep.errors import (
     ToleranceError,
     UnreportedChangeError,
 )
-from multirep.events import Committed
 from multirep.multirepresentation import MultiRepresentation
 from multirep.representation import Representation
+from multirep.script.history import History, StepResult, key_of, what_of
 from multirep.script.model import (
-    ConstrainStep,
     CurveSpec,
-    HistoryStep,
+    Output,
     PointsSource,
-    ReleaseStep,
     Script,
     Step,
-    ToolStep,
+    StrokesSource,
+    WaveletSource,
 )
 from multirep.session import Session
 from multirep.splices import SpliceList
+from multirep.strokes.from_strokes import curve_from_strokes
 
 if TYPE_CHECKING:
     from multirep.registry import Registry
@@ -48,43 +49,47 @@ FAILURES = (ConflictError, PluginError, RegistrationError, ToleranceError, Unrep
 
 
 @frozen(eq=False)
-class StepResult:
-    """What a step did, where it changed its curve (None: several), and the residuals."""
-
-    index: int
-    what: str
-    curve: str | None
-    changed: SpliceList
-    seconds: float
-    work: dict[str, int]
-    constraints: tuple[tuple[str, float], ...] = ()
-
-
-@frozen(eq=False)
 class CurveResult:
-    """A curve after the last step: every representation up to date, every pair bounded.
+    """A curve when some steps are done: every representation up to date, every pair bounded.
 
-    ``before`` is the curve as it was read, ``changed`` where the steps that were not undone changed
-    it, ``edits`` how many they are.
+    ``before`` is the curve as it was read, or as it was when fewer steps were done; ``changed``
+    where the steps since then that were not undone changed it, ``edits`` how many they are,
+    ``strokes`` where the pen went in them. ``frozen`` is what nothing may change, ``marks`` are the
+    stretches between marks, ``pins`` the points and parameters that constraints hold.
     """
 
     name: str
     tolerance: float
     representations: dict[str, Representation]
     deviations: dict[tuple[str, str], Deviation]
-    before: Representation
+    before: Representation | None
     changed: SpliceList
     edits: int
     notes: tuple[str, ...]
+    strokes: tuple[Array, ...] = ()
+    frozen: SpliceList = SpliceList.EMPTY
+    marks: tuple[tuple[float, float], ...] = ()
+    pins: tuple[float, ...] = ()
 
 
 @frozen(eq=False)
 class Result:
-    """What running a script gave."""
+    """What running a script gave.
+
+    ``moments`` are the curves at other times than the end, as outputs ask for them, by how many
+    steps were done and since when changes are shown.
+    """
 
     script: Script
     curves: tuple[CurveResult, ...]
     steps: tuple[StepResult, ...]
+    moments: Mapping[tuple[int, int], tuple[CurveResult, ...]] = field(factory=dict)
+
+    def seen(self, output: Output) -> tuple[CurveResult, ...]:
+        """Return the curves as an output shows them."""
+        last = len(self.script.steps)
+        after = last if output.after is None else output.after
+        return self.moments.get((after, output.since), self.curves)
 
 
 def run(script: Script, registry: Registry, progress: Progress | None = None) -> Result:
@@ -114,31 +119,118 @@ def run(script: Script, registry: Registry, progress: Progress | None = None) ->
     """
     tell = progress or (lambda done, total, what: None)
     total = len(script.curves) + len(script.steps) + len(script.curves)
-    session = Session()
-    before: dict[str, Representation] = {}
-    notes: dict[str, tuple[str, ...]] = {}
-    for index, spec in enumerate(script.curves):
-        tell(index, total, f"read {spec.name}")
-        curve = _build(script.path, index, spec, registry)
-        session.add(spec.name, curve)
-        before[spec.name] = curve.view(curve.authors[0][1])
+    return _Run(script, registry, tell, total).done()
+
+
+class _Run:
+    """One run of a script."""
+
+    def __init__(self, script: Script, registry: Registry, tell: Progress, total: int) -> None:
+        self.script, self.registry, self.tell, self.total = script, registry, tell, total
+        self.specs = {spec.name: (index, spec) for index, spec in enumerate(script.curves)}
+        self.session = Session()
+        self.notes: dict[str, tuple[str, ...]] = {}
+        self.history = History(self.session, self.build)
+        self.earlier: dict[int, dict[str, Representation]] = {}
+        self.moments: dict[tuple[int, int], tuple[CurveResult, ...]] = {}
+        last = len(script.steps)
+        self.wanted = {(last if o.after is None else o.after, o.since) for o in script.outputs}
+
+    def build(self, name: str) -> MultiRepresentation:
+        """Make a curve of the script."""
+        index, spec = self.specs[name]
+        curve = _build(self.script.path, index, spec, self.registry)
         merged = (f"{curve.merged} repeated points merged",) if curve.merged else ()
-        notes[spec.name] = spec.notes + merged
-    history = _History(session)
-    results = []
-    for step in script.steps:
-        tell(len(script.curves) + step.index, total, _what(step))
-        with _located(script.path, step):
-            results.append(history.do(step))
-    curves = []
-    for index, spec in enumerate(script.curves):
-        tell(total - len(script.curves) + index, total, f"bound the deviations of {spec.name}")
+        self.notes[name] = spec.notes + merged
+        return curve
+
+    def done(self) -> Result:
+        """Do everything."""
+        script, tell, total = self.script, self.tell, self.total
+        for index, spec in enumerate(script.curves):
+            tell(index, total, f"read {spec.name}")
+            if not spec.added:
+                self.session.add(spec.name, self.build(spec.name))
+        # pictures at a time before the end must not influence what comes after
+        self.look(0)
+        results = []
+        for step in script.steps:
+            tell(len(script.curves) + step.index, total, what_of(step))
+            with _located(script.path, step):
+                results.append(self.history.do(step))
+            if step.index + 1 < len(script.steps):
+                self.look(step.index + 1)
+        curves = []
+        for index, spec in enumerate(script.curves):
+            tell(total - len(script.curves) + index, total, f"bound the deviations of {spec.name}")
+            if spec.name in self.session.curves:
+                curves.append(self.result(spec))
+        last = len(script.steps)
+        for _, since in [pair for pair in self.wanted if pair[0] == last and pair[1] > 0]:
+            self.moments[last, since] = tuple(self.since(curve, since) for curve in curves)
+        return Result(script, tuple(curves), tuple(results), self.moments)
+
+    def look(self, steps: int) -> None:
+        """Keep what outputs show of this time; the session stays as it is."""
+        if steps and not any(steps in pair for pair in self.wanted):
+            return
+        framework = self.session.framework
+        before = framework.snapshot()
+        present = self.session.curves
+        self.earlier[steps] = {
+            name: curve.view(curve.authors[0][1]) for name, curve in present.items()
+        }
+        for _, since in [pair for pair in self.wanted if pair[0] == steps]:
+            specs = [spec for spec in self.script.curves if spec.name in present]
+            self.moments[steps, since] = tuple(
+                self.since(self.result(spec), since) for spec in specs
+            )
+        framework.restore(before)
+
+    def since(self, curve: CurveResult, steps: int) -> CurveResult:
+        """Return a result that tells only of what happened after so many steps."""
+        standing = [d for d in self.history.done if d.curve == curve.name and d.index >= steps]
+        return evolve(
+            curve,
+            before=self.earlier[steps].get(curve.name),
+            changed=SpliceList(splice for done in standing for splice in done.changed),
+            edits=len(standing),
+            strokes=tuple(stroke for done in standing for stroke in done.strokes)
+            + (self.drawn(curve.name) if steps == 0 else ()),
+        )
+
+    def drawn(self, name: str) -> tuple[Array, ...]:
+        """Return the strokes that a curve began as."""
+        source = self.specs[name][1].source
+        if not isinstance(source, StrokesSource):
+            return ()
+        return tuple(np.asarray(stroke, dtype=np.float64) for stroke in source.strokes)
+
+    def result(self, spec: CurveSpec) -> CurveResult:
+        """Bring a curve up to date in every representation and bound every deviation."""
+        curve = self.session.curve(spec.name)
+        order = {"polyline": 0, "nurbs": 1, "wavelet": 2}
+        kinds = sorted(curve.kinds, key=lambda kind: (order.get(kind, 3), kind))
         try:
-            curve = session.curve(spec.name)
-            curves.append(_result(spec, curve, before[spec.name], history, notes[spec.name]))
+            representations = {kind: curve.view(kind) for kind in kinds}
+            deviations = {pair: curve.deviation(*pair) for pair in combinations(sorted(kinds), 2)}
         except MultirepError as error:
-            raise StepFailedError(f"{spec.name}: {error}", file=str(script.path)) from error
-    return Result(script, tuple(curves), tuple(results))
+            raise StepFailedError(f"{spec.name}: {error}", file=str(self.script.path)) from error
+        held = self.session.framework.constraints(spec.name).values()
+        found = CurveResult(
+            name=spec.name,
+            tolerance=curve.tolerance,
+            representations=representations,
+            deviations=deviations,
+            before=None,
+            changed=SpliceList.EMPTY,
+            edits=0,
+            notes=self.notes[spec.name],
+            frozen=curve.frozen,
+            marks=tuple(held.interval for held in held if held.name == "mark"),  # type: ignore[attr-defined]
+            pins=tuple(held.t for held in held if isinstance(getattr(held, "t", None), float)),  # type: ignore[attr-defined]
+        )
+        return self.since(found, 0)
 
 
 def _build(path: Path, index: int, spec: CurveSpec, registry: Registry) -> MultiRepresentation:
@@ -147,6 +239,19 @@ def _build(path: Path, index: int, spec: CurveSpec, registry: Registry) -> Multi
     ]
     source = spec.source
     try:
+        if isinstance(source, StrokesSource):
+            options = {
+                key: value
+                for key in ("noise", "corner_angle", "corner_window")
+                if (value := getattr(source, key)) is not None
+            }
+            return curve_from_strokes(
+                source.strokes, tolerance=spec.tolerance, kinds=kinds, **options
+            )
+        if isinstance(source, WaveletSource):
+            data = {"level": source.level, "knots": source.knots, "points": source.points}
+            wavelet = registry.representations["wavelet"].from_dict(data)
+            return MultiRepresentation(wavelet, tolerance=spec.tolerance, kinds=kinds)
         if isinstance(source, PointsSource):
             return MultiRepresentation.from_points(
                 source.points, t=source.t, tolerance=spec.tolerance, kinds=kinds
@@ -165,55 +270,6 @@ def _build(path: Path, index: int, spec: CurveSpec, registry: Registry) -> Multi
         raise ScriptError(str(error), file=str(path), line=spec.line, key=key) from error
 
 
-class _History:
-    """Does steps, and remembers which changes stand, so that undone ones can be told from them."""
-
-    def __init__(self, session: Session) -> None:
-        self.session = session
-        self.done: list[tuple[str, SpliceList]] = []
-        self.undone: list[tuple[str, SpliceList]] = []
-
-    def do(self, step: Step) -> StepResult:
-        """Do one step."""
-        begin = perf_counter()
-        if isinstance(step, HistoryStep):
-            return self._travel(step, begin)
-        changed = SpliceList.EMPTY
-        work: dict[str, int] = {}
-        residuals: tuple[tuple[str, float], ...] = ()
-        if isinstance(step, ToolStep):
-            outcome = self.session.apply(step.curve, step.tool)
-            changed = outcome.changed
-            done = outcome.work
-            work = {"sampled": done.sampled, "samples": done.samples, "fitted": done.fitted}
-            residuals = tuple((held.name, held.residual) for held in outcome.constraints)
-        elif isinstance(step, ConstrainStep):
-            with self.session.curve(step.curve).listening() as events:
-                self.session.constrain(step.curve, step.constraint, name=step.name)
-            for event in events:
-                changed = changed | event.splices if isinstance(event, Committed) else changed
-        else:
-            self.session.release(step.curve, step.name)
-        self.done.append((step.curve, changed))
-        self.undone.clear()
-        seconds = perf_counter() - begin
-        return StepResult(step.index, _what(step), step.curve, changed, seconds, work, residuals)
-
-    def _travel(self, step: HistoryStep, begin: float) -> StepResult:
-        undo = step.what == "undo"
-        (self.session.undo if undo else self.session.redo)(step.times)
-        source, target = (self.done, self.undone) if undo else (self.undone, self.done)
-        moved = [source.pop() for _ in range(step.times)]
-        target += moved
-        curves = {name for name, _ in moved}
-        changed = SpliceList.EMPTY
-        for _, splices in moved:
-            changed = changed | splices
-        curve = curves.pop() if len(curves) == 1 else None
-        seconds = perf_counter() - begin
-        return StepResult(step.index, step.what, curve, changed, seconds, {})
-
-
 class _located:
     """Say which step of which file an error belongs to."""
 
@@ -230,46 +286,4 @@ class _located:
         place = {"file": str(self.path), "line": self.step.line, "step": self.step.index}
         if isinstance(reason, FAILURES):
             raise StepFailedError(str(error), **place) from error  # type: ignore[arg-type]
-        raise ScriptError(str(error), key=_key(self.step), **place) from error  # type: ignore[arg-type]
-
-
-def _key(step: Step) -> str:
-    """Return the key of the script that makes a step what it is."""
-    if isinstance(step, HistoryStep):
-        return step.what
-    keys = {ToolStep: "tool", ConstrainStep: "constrain", ReleaseStep: "release"}
-    return keys[type(step)]
-
-
-def _what(step: Step) -> str:
-    """Return what the report calls a step."""
-    if isinstance(step, ToolStep):
-        return step.name
-    if isinstance(step, ConstrainStep):
-        return f"constrain {step.kind}"
-    return "release" if isinstance(step, ReleaseStep) else step.what
-
-
-def _result(
-    spec: CurveSpec,
-    curve: MultiRepresentation,
-    before: Representation,
-    history: _History,
-    notes: tuple[str, ...],
-) -> CurveResult:
-    order = {"polyline": 0, "nurbs": 1, "wavelet": 2}
-    kinds = sorted(curve.kinds, key=lambda kind: (order.get(kind, 3), kind))
-    representations = {kind: curve.view(kind) for kind in kinds}
-    deviations = {pair: curve.deviation(*pair) for pair in combinations(sorted(kinds), 2)}
-    standing = [splices for name, splices in history.done if name == spec.name]
-    changed = SpliceList(splice for splices in standing for splice in splices)
-    return CurveResult(
-        name=spec.name,
-        tolerance=curve.tolerance,
-        representations=representations,
-        deviations=deviations,
-        before=before,
-        changed=changed,
-        edits=len(standing),
-        notes=notes,
-    )
+        raise ScriptError(str(error), key=key_of(self.step), **place) from error  # type: ignore[arg-type]

@@ -10,15 +10,27 @@ from attrs import field, frozen, validators
 
 from multirep.errors import ScriptError
 from multirep.script.files import read_json
-from multirep.script.model import NurbsSource, Points, PointsSource, Source
+from multirep.script.model import (
+    NurbsSource,
+    Points,
+    PointsSource,
+    Source,
+    StrokesSource,
+    WaveletSource,
+)
 from multirep.script.strict import Mismatch, quote, structure
 
 T = TypeVar("T")
 
 #: The keys of a curve table that say where its geometry comes from.
-SOURCE_KEYS = ("points", "t", "nurbs", "svg", "element", "id", "fill")
+SOURCE_KEYS = (
+    "points", "t", "nurbs", "wavelet", "svg", "element", "id", "fill",
+    "stroke", "strokes", "noise", "corner_angle", "corner_window",
+)  # fmt: skip
 #: Exactly one of these is given.
-ORIGINS = ("points", "nurbs", "svg")
+ORIGINS = ("points", "nurbs", "svg", "stroke", "strokes", "wavelet")
+#: How strokes are cleaned; as in the tool `sketch`.
+PEN = ("noise", "corner_angle", "corner_window")
 #: Keys that a data file may carry for people: where the data come from and how they may be used.
 REMARKS = ("name", "title", "source", "licence", "license", "note")
 
@@ -45,9 +57,9 @@ def read_source(table: Mapping[str, Any], folder: Path) -> tuple[Source, str, tu
 
     Returns
     -------
-    source : PointsSource or NurbsSource
+    source : Source
     author : str
-        The representation that it is: "polyline" or "nurbs".
+        The representation that it is: "polyline", "nurbs" or "wavelet".
     notes : tuple of str
         What reading it did, for people.
 
@@ -67,6 +79,9 @@ def read_source(table: Mapping[str, Any], folder: Path) -> tuple[Source, str, tu
         "points": ("points", "t"),
         "nurbs": ("nurbs",),
         "svg": ("svg", "element", "id", "fill"),
+        "stroke": ("stroke", *PEN),
+        "strokes": ("strokes", *PEN),
+        "wavelet": ("wavelet",),
     }
     for key in SOURCE_KEYS:
         if key in table and key not in allowed[origin]:
@@ -76,6 +91,10 @@ def read_source(table: Mapping[str, Any], folder: Path) -> tuple[Source, str, tu
         return _read_points(part, folder), "polyline", ()
     if origin == "nurbs":
         return _read_nurbs(part["nurbs"], folder), "nurbs", ()
+    if origin == "wavelet":
+        return _read_wavelet(part["wavelet"], folder), "wavelet", ()
+    if origin in ("stroke", "strokes"):
+        return _read_strokes(part, folder), "polyline", ()
     source, notes = _read_svg(structure(part, _SvgTable), folder)
     return source, "nurbs", notes
 
@@ -101,6 +120,40 @@ def _read_nurbs(value: object, folder: Path) -> NurbsSource:
         return structure(value, NurbsSource)
     except Mismatch as error:
         raise Mismatch(error.problem, f"nurbs.{error.key}" if error.key else "nurbs") from None
+
+
+def _read_wavelet(value: object, folder: Path) -> WaveletSource:
+    if isinstance(value, str):
+        path = folder / structure(value, str)
+        return _structure_file(_table_of(path, "wavelet", bare_list=False), WaveletSource, path)
+    try:
+        return structure(value, WaveletSource)
+    except Mismatch as error:
+        raise Mismatch(error.problem, f"wavelet.{error.key}" if error.key else "wavelet") from None
+
+
+def _read_strokes(part: Mapping[str, Any], folder: Path) -> StrokesSource:
+    """Read one stroke or several; a file holds them under "strokes", or is a bare list of them."""
+    data = dict(part)
+    if "stroke" in data:
+        try:
+            data["strokes"] = [structure(data.pop("stroke"), Points)]
+        except Mismatch as error:
+            raise Mismatch(error.problem, f"stroke{error.key}") from None
+    elif isinstance(data["strokes"], str):
+        path = folder / structure(data["strokes"], str)
+        found = _table_of(path, "strokes")
+        found["strokes"] = found.pop("points", None) or found.get("strokes", [])
+        source = _structure_file(
+            found | {k: data[k] for k in PEN if k in data}, StrokesSource, path
+        )
+    if not isinstance(data["strokes"], str):
+        source = structure(data, StrokesSource)
+    for key in ("noise", "corner_angle", "corner_window"):
+        value = getattr(source, key)
+        if value is not None and value < 0:
+            raise Mismatch(f"must be >= 0, got {value!r}", key)
+    return source
 
 
 def _structure_file(data: dict[str, Any], cls: type[T], path: Path) -> T:

@@ -19,6 +19,7 @@ import attrs
 import cattrs
 from cattrs.errors import ClassValidationError, ForbiddenExtraKeysError, IterableValidationError
 
+from multirep.errors import UnknownNameError
 from multirep.script.model import Points
 
 T = TypeVar("T")
@@ -79,6 +80,23 @@ def check_keys(table: Mapping[str, object], allowed: Iterable[str], what: str) -
             near = get_close_matches(key, known, n=1)
             hint = f"; did you mean {near[0]!r}?" if near else ";"
             raise Mismatch(f"unknown key of {what}{hint} allowed: {', '.join(known)}", key)
+
+
+def structure_key(table: Mapping[str, Any], key: str, cls: Any) -> Any:
+    """Make ``cls`` of one entry of a table; a Mismatch names the key."""
+    try:
+        return structure(table[key], cls)
+    except Mismatch as error:
+        raise Mismatch(error.problem, f"{key}{error.key}") from None
+
+
+def check_names(names: tuple[str, ...], what: str, known: list[str], key: str) -> None:
+    """Raise Mismatch when a name occurs twice or is not known."""
+    if len(set(names)) < len(names):
+        raise Mismatch(f"names one {what} twice: {quote(list(names))}", key)
+    for name in names:
+        if name not in known:
+            raise Mismatch(str(UnknownNameError(what, name, known)), key)
 
 
 def quote(value: object) -> str:
