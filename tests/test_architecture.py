@@ -265,14 +265,14 @@ def plugins(family: str) -> dict[str, tuple[str, str]]:
 
 
 def suites(family: str) -> dict[str, list[str]]:
-    """Suite classes in tests/suites: the plugin class that the fixture returns -> the test
-    classes.
-    """
+    """Suite classes in tests/suites: the plugin that the fixture returns -> the test classes."""
     base, fixture = SUITES[family]
     found: dict[str, list[str]] = {}
     for path in sorted((ROOT / "tests" / "suites").glob("test_*.py")):
+        derived = {base}
         for node in ast.parse(path.read_text(encoding="utf-8")).body:
-            if isinstance(node, ast.ClassDef) and base in map(base_name, node.bases):
+            if isinstance(node, ast.ClassDef) and derived & set(map(base_name, node.bases)):
+                derived.add(node.name)
                 for member in node.body:
                     if isinstance(member, ast.FunctionDef) and member.name == fixture:
                         assert member.returns is not None, (

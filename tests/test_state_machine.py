@@ -35,7 +35,8 @@ from multirep.scene import Scene
 from multirep.splices import SpliceList
 from multirep.state import State
 from multirep.testing import check_certificate, check_edit
-from multirep.testing.laws import ROUNDING, dense_parameters
+from multirep.testing.laws import ROUNDING
+from multirep.testing.looking import dense_parameters
 from multirep.testing.strategies import dyadic_intervals, splice_lists
 from multirep.tools import (
     Corner,

@@ -26,18 +26,15 @@ from multirep.representation import Representation
 from multirep.sampled import SampledSplice
 from multirep.splices import SpliceList
 from multirep.testing.elements import ElementsOf, default_elements
+from multirep.testing.looking import GRID, dense_parameters, seen_deviation
 
 if TYPE_CHECKING:
     from multirep.multirepresentation import MultiRepresentation
 
 R = TypeVar("R", bound=Representation)
 
-#: Parameters of a dense grid over T. More find more and cost more.
-GRID = 257
 #: Points looked at on each chord of a sampled splice, ends included.
 PER_CHORD = 9
-#: Stored parameters compared at most; those nearest to the ends of the splices come first.
-STORED = 4000
 #: Rounding of evaluation itself, in ulp of the largest coordinate: what seen may exceed proved by.
 ROUNDING = 64 * np.finfo(float).eps
 #: Largest change, in terms of the largest coordinate, of a stretch that is only written in other
@@ -286,67 +283,6 @@ def check_certificate(
             raise InvariantError(f"the lower bound does not occur; {numbers}", curve)
         largest = max(largest, seen)
     return largest
-
-
-def seen_deviation(
-    one: Representation,
-    two: Representation,
-    *,
-    tolerance: float,
-    elements: ElementsOf = default_elements,
-) -> tuple[float, float]:
-    """Return the largest distance found at equal t, and where: (distance, t).
-
-    Looked at are all parameters of :func:`dense_parameters`, those of samples of either curve
-    within ``tolerance``, and then more around the largest local maxima.
-    """
-    t = np.concatenate(
-        [
-            dense_parameters(one, SpliceList.EMPTY, two, elements=elements),
-            *(curve.sample(curve.domain, tolerance=tolerance).t for curve in (one, two)),
-        ]
-    )
-    t = np.unique(t)
-    for _ in range(2):
-        apart = np.linalg.norm(one(t) - two(t), axis=1)
-        tops = np.flatnonzero((apart[1:-1] >= apart[:-2]) & (apart[1:-1] >= apart[2:])) + 1
-        peaks = np.unique(np.r_[tops[np.argsort(apart[tops])[-16:]], 1, len(t) - 2])
-        closer = np.linspace(t[peaks - 1], t[peaks + 1], 33)
-        t = np.union1d(t, closer.ravel())
-    apart = np.linalg.norm(one(t) - two(t), axis=1)
-    return float(apart.max()), float(t[apart.argmax()])
-
-
-def dense_parameters(
-    value: Representation,
-    splices: SpliceList,
-    *others: Representation,
-    elements: ElementsOf = default_elements,
-) -> Array:
-    """Parameters where a mistake would show: a grid, stored ones, and beside the ends of splices.
-
-    Returns
-    -------
-    (m,) array
-        Sorted, inside T.
-    """
-    start, stop = value.domain
-    ends = np.array([end for splice in splices for end in splice])
-    stored = [
-        column for v in (value, *others) for e in elements(v) for column in (e.starts, e.stops)
-    ]
-    known = np.unique(np.concatenate(stored)) if stored else np.empty(0)
-    known = known[(start <= known) & (known <= stop)]
-    if len(known) > STORED:
-        far = np.abs(known[:, None] - ends).min(axis=1) if len(ends) else np.arange(len(known)) % 97
-        known = np.sort(known[np.argsort(far, kind="stable")[:STORED]])
-    beside = [ends, np.nextafter(ends, -np.inf), np.nextafter(ends, np.inf)]
-    for part in (1e-9, 1e-6, 1e-3):
-        beside += [ends - part * (stop - start), ends + part * (stop - start)]
-    middles = 0.5 * (known[1:] + known[:-1])
-    t = np.concatenate([np.linspace(start, stop, GRID), known, middles, *beside])
-    unique: Array = np.unique(t[(start <= t) & (t <= stop)])
-    return unique
 
 
 def _same_kind(one: Representation, two: Representation) -> None:
