@@ -15,39 +15,61 @@ class Boxes:
 
     Parameters
     ----------
-    known : dict
-        Block number (``id``) to its box, (2, d). The blocks themselves are kept alive by the
-        points that the boxes belong to.
-    order : (blocks,) tuple
-        The boxes in the order of the blocks.
-    magnitude : float
-        Largest |coordinate|.
+    blocks : tuple of (rows, d) arrays
+        What was measured.
+    boxes : tuple of (2, d) arrays
+        Of each block.
+    sizes : tuple of float
+        Largest |coordinate| in each block.
     """
 
-    known: dict[int, Array]
-    order: tuple[Array, ...]
-    magnitude: float
+    blocks: tuple[Array, ...]
+    boxes: tuple[Array, ...]
+    sizes: tuple[float, ...]
 
     @classmethod
-    def of(cls, points: BlockArray, known: dict[int, Array] | None = None) -> Boxes:
-        """Measure all blocks, or those that are not known."""
-        found = {}
-        for block in points.blocks:
-            box = None if known is None else known.get(id(block))
-            if box is None:
-                box = np.array([[c.min() for c in block.T], [c.max() for c in block.T]])
-            found[id(block)] = box
-        order = tuple(found[id(block)] for block in points.blocks)
-        return cls(found, order, max(float(np.abs(box).max()) for box in order))
+    def of(cls, points: BlockArray) -> Boxes:
+        """Measure all blocks."""
+        boxes = tuple(map(_measured, points.blocks))
+        return cls(points.blocks, boxes, tuple(map(_size, boxes)))
 
     def renewed(self, points: BlockArray) -> Boxes:
         """Return the boxes of the next version: only blocks that are new are measured."""
-        return Boxes.of(points, self.known)
+        old, new = self.blocks, points.blocks
+        if new is old:
+            return self
+        most = min(len(old), len(new))
+        head = 0
+        while head < most and old[head] is new[head]:
+            head += 1
+        tail = 0
+        while tail < most - head and old[-1 - tail] is new[-1 - tail]:
+            tail += 1
+        fresh = tuple(map(_measured, new[head : len(new) - tail]))
+        keep = len(old) - tail
+        return Boxes(
+            new,
+            (*self.boxes[:head], *fresh, *self.boxes[keep:]),
+            (*self.sizes[:head], *map(_size, fresh), *self.sizes[keep:]),
+        )
+
+    @property
+    def magnitude(self) -> float:
+        """Largest |coordinate|."""
+        return max(self.sizes)
 
     def distances(self, point: Array) -> Array:
         """How far ``point`` is at least from the control points of each block."""
-        boxes = np.stack(self.order)
+        boxes = np.stack(self.boxes)
         return box_distances(boxes[:, 0], boxes[:, 1], point)
+
+
+def _measured(block: Array) -> Array:
+    return np.array([[c.min() for c in block.T], [c.max() for c in block.T]])
+
+
+def _size(box: Array) -> float:
+    return float(np.abs(box).max())
 
 
 def box_distances(low: Array, high: Array, point: Array) -> Array:

@@ -17,6 +17,9 @@ from multirep.splines import evaluate, find_spans
 
 Side = Literal["left", "right"]
 
+#: So few corners are compared with all parameters, which is faster than looking each up.
+FEW_CORNERS = 4
+
 
 def homogeneous(points: Array, weights: Array) -> Array:
     """Return ``(w x, w y, .., w)`` rows, (n, d + 1)."""
@@ -66,6 +69,10 @@ def settled_at_corners(values: Array, knots: Array, points: Array, degree: int, 
     full = knots[1 : count + 1] == knots[degree : degree + count]
     if full.any():
         corners = knots[1 : count + 1][full]
+        if len(corners) <= FEW_CORNERS:
+            for corner, row in zip(corners.tolist(), np.flatnonzero(full).tolist(), strict=True):
+                values[t == corner] = points[row]
+            return values
         k = np.minimum(corners.searchsorted(t), len(corners) - 1)
         hit = corners[k] == t
         values[hit] = points[full][k[hit]]

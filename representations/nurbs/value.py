@@ -150,22 +150,18 @@ class NurbsValue(Representation):
         ParameterError
             Outside T.
         """
+        if isinstance(t, float) and self.domain.start <= t <= self.domain.stop:
+            return self._point(t)
         at = self.parameters(t)
         if at.ndim == 0:
-            point: Array = self._evaluated(at[None], *self._window(float(at), float(at)))[0]
-            return point
+            return self._point(float(at))
         shape = at.shape
         flat = at.ravel()
         if not len(flat):
             return np.empty((*shape, self.dimension))
         window = self._span_window(float(flat.min()), float(flat.max()))
         if window[1] - window[0] > SCATTERED * len(flat):
-            values = np.concatenate(
-                [
-                    self._evaluated(flat[i : i + 1], *self._window(s, s))
-                    for i, s in enumerate(flat.tolist())
-                ]
-            )
+            values = np.stack([self._point(s) for s in flat.tolist()])
         else:
             values = self._evaluated(flat, *self._arrays(*window))
         return values if at.ndim == 1 else values.reshape(*shape, -1)
@@ -244,13 +240,25 @@ class NurbsValue(Representation):
             None if weights is None else weights.window(low, last + 1),
         )
 
-    def _evaluated(self, t: Array, knots: Array, points: Array, weights: Array | None) -> Array:
-        if len(t) == 1 and weights is None and len(points) == self.degree + 1:
-            from scipy.interpolate import BSpline
+    def _point(self, t: float) -> Array:
+        """Evaluate one parameter, as `window_points` would, with little around it."""
+        p = self.degree
+        first = self.span(t)
+        knots, points, weights = self._arrays(first, first)
+        if weights is not None:
+            rational: Array = self._evaluated(np.array([t]), knots, points, weights)[0]
+            return rational
+        if t == knots[p] and t == knots[1]:
+            return np.array(points[0])
+        if t == knots[p + 1] and t == knots[2 * p]:
+            return np.array(points[p])
+        from scipy.interpolate import BSpline
 
-            values: Array = BSpline.construct_fast(knots, points, self.degree)(t)
-        else:
-            values = window_points(knots, points, weights, self.degree, t)
+        found: Array = BSpline.construct_fast(knots, points, p)(np.array([t]))[0]
+        return found
+
+    def _evaluated(self, t: Array, knots: Array, points: Array, weights: Array | None) -> Array:
+        values = window_points(knots, points, weights, self.degree, t)
         return settled_at_corners(values, knots, points, self.degree, t)
 
     def nearest(self, point: ArrayLike) -> Nearest:
