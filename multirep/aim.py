@@ -32,17 +32,20 @@ class Aim:
         Where the curve shall pass at ``t``.
     left, right : sequence of float, optional
         Its derivatives by t from the left and from the right.
+    smooth : bool
+        Whether both shall be the same.
 
     Examples
     --------
     >>> Aim(0.25, (1, 2))
-    Aim(t=0.25, point=(1.0, 2.0), left=None, right=None)
+    Aim(t=0.25, point=(1.0, 2.0), left=None, right=None, smooth=False)
     """
 
     t: float
     point: tuple[float, ...] | None = attrs.field(default=None, converter=_point)
     left: tuple[float, ...] | None = attrs.field(default=None, converter=_point)
     right: tuple[float, ...] | None = attrs.field(default=None, converter=_point)
+    smooth: bool = False
 
 
 def misses(aim: Aim, value: Representation) -> float:
@@ -54,14 +57,17 @@ def misses(aim: Aim, value: Representation) -> float:
 
 def turns(aim: Aim, value: Representation) -> float:
     """How far the derivatives are from those of an aim, in terms of their size; 0 for none."""
+    if not (aim.left or aim.right or aim.smooth):
+        return 0.0
+    try:
+        left, right = (value.derivative(aim.t, side=side) for side in ("left", "right"))
+    except NotImplementedError:  # it has none: nothing is held against it
+        return 0.0
+    wanted = [(left, aim.left), (right, aim.right)] + [(left, right)] * aim.smooth
     worst = 0.0
-    for side, wanted in (("left", aim.left), ("right", aim.right)):
-        if wanted is not None:
-            try:
-                found = value.derivative(aim.t, side=side)
-            except NotImplementedError:  # it has none: nothing is held against it
-                continue
-            off = float(np.linalg.norm(found - wanted))
-            size = float(np.linalg.norm(found) + np.linalg.norm(wanted))
+    for found, goal in wanted:
+        if goal is not None:
+            off = float(np.linalg.norm(found - np.asarray(goal)))
+            size = float(np.linalg.norm(found) + np.linalg.norm(goal))
             worst = max(worst, off / size if off else 0.0)
     return worst

@@ -52,7 +52,7 @@ def opposed(
         f"{what} {wanted}"
         for what, wanted in (("", aim.point), ("left", aim.left), ("right", aim.right))
         if wanted is not None
-    ]
+    ] + ["smoothness"] * aim.smooth
     return ConflictError(
         f"{by} asks for {', '.join(asked).strip()} at t = {aim.t:g}, but with {listed} "
         f"re-established the curve is not so (it passes at a distance of {missed:.3g})",

@@ -121,7 +121,7 @@ class Corner(Tool[Nurbs]):
         """Return the base point and the tangents that are asked for."""
         t = self.place(curve)
         if self.remove:
-            return (Aim(t),)
+            return (Aim(t, smooth=True),)
         point = tuple(curve(t).tolist()) if self.to is None else self.to
         return (Aim(t, point, self.left, self.right),)
 
