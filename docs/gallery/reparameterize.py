@@ -1,8 +1,8 @@
 """Even speed: a cat whose tail was drawn over a little stretch of T, before and after.
 
-The dots stand at equal steps of t. After oversketching the tail has hardly any: it got the parameters
-of the little stretch that it replaced, 4 % of T. Re-parameterisation maps T for all representations
-together; the shape stays.
+The dots stand at equal steps of t. After oversketching the tail has hardly any: it got the
+parameters of the little stretch that it replaced, 4 % of T. Re-parameterisation maps T for all
+representations together; the shape stays.
 
     python docs/gallery/reparameterize.py OUT.svg
 """
