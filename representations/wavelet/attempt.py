@@ -15,7 +15,7 @@ import attrs
 import numpy as np
 
 from multirep.arrays import Array, Indices
-from multirep.errors import InvariantError
+from multirep.errors import InvariantError, ToleranceError
 from multirep.representations.wavelet.target import Target
 from multirep.splines.polar import blossom
 
@@ -23,6 +23,9 @@ __all__ = ["Attempt", "Frame", "Problem", "frame_pieces"]
 
 #: Rows per span that carry no vertex. Fewer make the certificate loose and the solve singular.
 _ROWS = 4
+#: Rounding of the certificate and of any float64 evaluation of the curve, in units of the largest
+#: coordinate.
+_ROUNDING = 64 * float(np.finfo(np.float64).eps)
 
 
 class Frame(NamedTuple):
@@ -82,6 +85,29 @@ class Problem:
     frame: Frame
     slack: float
     limits: Array
+
+    @classmethod
+    def of(
+        cls, target: Target, to_t: Callable[[Array], Array], frame: Frame, magnitude: float
+    ) -> Problem:
+        """Make a problem, coordinates up to ``magnitude``.
+
+        Raises
+        ------
+        ToleranceError
+            When an allowance is below what rounding alone may cost.
+        """
+        slack = _ROUNDING * magnitude
+        limits = target.allowances - slack
+        if not limits.min() > 0.0:
+            raise ToleranceError(
+                f"a tolerance of {target.allowances.min():.3g} is below the rounding of "
+                f"coordinates up to {magnitude:.3g}; the smallest that can be proved is "
+                f"{2 * slack:.3g}",
+                tolerance=float(target.allowances.min()),
+                reachable=2 * slack,
+            )
+        return cls(target, to_t, frame, slack, limits)
 
     def attempt(self, u: Array) -> Attempt:
         """Solve with the knots ``u`` (n + 1,); n >= 3 if an end is joined. Linear in marks."""

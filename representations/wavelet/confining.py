@@ -19,7 +19,7 @@ from multirep.representations.wavelet.dyadic import finest_level, parameters
 from multirep.representations.wavelet.graded import Graded
 from multirep.splices import SpliceList
 
-__all__ = ["confined", "confined_to", "inside"]
+__all__ = ["confined", "confined_to", "inside", "mixed"]
 
 #: Knots that an apron needs, about: fewer make the transition sudden, more stay behind for nothing.
 _APRON_KNOTS = 4
@@ -78,6 +78,27 @@ def confined_to(
 def _differ(one: Graded, two: Graded, where: SpliceList) -> bool:
     t = np.concatenate([np.linspace(stretch.start, stretch.stop, 65) for stretch in where])
     return bool((one.evaluate(t) != two.evaluate(t)).any())
+
+
+def mixed(one: Graded, two: Graded, share: float) -> Graded:
+    """Go from one curve to another by a share; what both have in common keeps its bits.
+
+    Examples
+    --------
+    >>> from multirep.representations.wavelet.graded import clamped
+    >>> flat = Graded.of(Interval(0, 1), clamped(np.array([0.0, 1])), np.zeros((4, 1)))
+    >>> high = Graded.of(Interval(0, 1), clamped(np.array([0.0, 0.5, 1])), np.ones((5, 1)))
+    >>> np.asarray(mixed(flat, high, 0.25).points)[:, 0]
+    array([0.25, 0.25, 0.25, 0.25, 0.25])
+    """
+    low, high, other = one.u.difference(two.u)
+    first, second = one.u.window(low, high), two.u.window(low, other)
+    one = one.refined(np.setdiff1d(second, first))
+    two = two.refined(np.setdiff1d(first, second))
+    low, high, _ = one.points.difference(two.points)
+    rows = one.points.window(low, high)
+    rows = rows + share * (two.points.window(low, high) - rows)
+    return one.replaced((4, 4), np.empty(0), (low, high), rows)
 
 
 def inside(curve: Graded, interval: Interval) -> tuple[int, int]:

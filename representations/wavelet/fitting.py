@@ -6,7 +6,6 @@ which the curve hardly takes notice are taken out, many at a time, as long as th
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import TypeAlias
 
 import numpy as np
@@ -14,7 +13,7 @@ import numpy.typing as npt
 
 from multirep.arrays import Array, Indices
 from multirep.errors import ToleranceError
-from multirep.representations.wavelet.attempt import Attempt, Frame, Problem
+from multirep.representations.wavelet.attempt import Attempt, Problem
 from multirep.representations.wavelet.dyadic import halves
 from multirep.representations.wavelet.prediction import predict
 from multirep.representations.wavelet.target import Target
@@ -27,9 +26,6 @@ Mask: TypeAlias = npt.NDArray[np.bool_]
 #: neighbours: what a corner does to its surroundings goes away with it. Smaller halves in vain,
 #: larger takes more rounds.
 _HALVED = 0.6
-#: Rounding of the certificate and of any float64 evaluation of the curve, in units of the largest
-#: coordinate.
-_ROUNDING = 64 * float(np.finfo(np.float64).eps)
 #: More rounds than there are levels mean that halving does not help.
 _ROUNDS = 64
 #: Rounds of thinning; each takes out up to a third of the knots, and later ones find little.
@@ -42,33 +38,17 @@ _WORTHWHILE = 0.02
 _JUMP_SHARE = 0.15
 
 
-def fit_stretch(
-    target: Target,
-    u: Array,
-    to_t: Callable[[Array], Array],
-    frame: Frame,
-    *,
-    shortest: float,
-    magnitude: float,
-    thin: bool,
-) -> Attempt:
+def fit_stretch(problem: Problem, u: Array, *, shortest: float, thin: bool) -> Attempt:
     """Fit a stretch within the allowances of the target.
 
     Parameters
     ----------
-    target : Target
-        Covers the stretch.
+    problem : Problem
     u : (n + 1,) array
         Dyadic knots to begin with, the ends of the stretch first and last; at least three spans if
         an end is joined.
-    to_t : callable
-        Maps dyadic numbers to parameters, monotonically.
-    frame : Frame
-        The surroundings.
     shortest : float
         Spans not longer than this (as dyadic numbers) are not halved.
-    magnitude : float
-        The largest coordinate nearby; rounding is relative to it.
     thin : bool
         Whether to look for knots that can be spared: a third fewer on real outlines, for three
         times the time.
@@ -87,22 +67,12 @@ def fit_stretch(
     -----
     Linear in rows (vertices and four a span) and rounds; 1 to 4 rounds are usual.
     """
-    slack = _ROUNDING * magnitude
-    limits = target.allowances - slack
-    if not limits.min() > 0.0:
-        raise ToleranceError(
-            f"a tolerance of {target.allowances.min():.3g} is below the rounding of coordinates "
-            f"up to {magnitude:.3g}; the smallest that can be proved is {2 * slack:.3g}",
-            tolerance=float(target.allowances.min()),
-            reachable=2 * slack,
-        )
-    problem = Problem(target, to_t, frame, slack, limits)
     for _ in range(_ROUNDS):
         found = problem.attempt(u)
         if found.ratios.max() <= 1.0:
             return thinned(problem, found) if thin else found
         u = _halve(problem, found, shortest)
-    raise _unreachable(target, found)
+    raise _unreachable(problem.target, found)
 
 
 def _halve(problem: Problem, found: Attempt, shortest: float) -> Array:

@@ -8,7 +8,7 @@ import attrs
 
 from multirep.errors import EditError
 from multirep.interval import Interval
-from multirep.representations.wavelet.confining import confined_to, inside
+from multirep.representations.wavelet.confining import confined_to, inside, mixed
 from multirep.representations.wavelet.dyadic import finest_level
 from multirep.representations.wavelet.levels import at_level
 from multirep.splices import SpliceList
@@ -36,8 +36,8 @@ def smoothed(
     ----------
     curve : WaveletBSpline
     level : float
-        What remains is :meth:`WaveletBSpline.at_level`. From the finest level of the curve on
-        nothing is taken away.
+        What remains is :meth:`WaveletBSpline.at_level`; between two levels, the mix of what remains
+        of either. From the finest level of the curve on nothing is taken away.
     interval : Interval, optional
         Where; default T. Over an apron of two spans of the level at each of its ends inside T, at
         most a third of it, the details go from full to none.
@@ -74,14 +74,20 @@ def smoothed(
     before, domain = curve._graded, curve.domain
     wanted = domain if interval is None else interval
     curve.parameters([wanted.start, wanted.stop])
+    if not level >= 0:
+        raise EditError(f"levels begin at 0, the base curve; got {level:g}")
     where = SpliceList([wanted]) - frozen
     near = (0.0, 1.0)
     if where and where.hull != domain:
         near = _hull(curve, where.hull)
-    after = at_level(before, level, near)
-    if after is before:
+    coarse, share = int(level), level % 1.0
+    if coarse >= before.level:
         return curve._edit(before)
-    return curve._edit(confined_to(before, after, where, APRON_SPANS * 2.0**-level, frozen))
+    graded, *finer = (
+        confined_to(before, at_level(before, j, near), where, APRON_SPANS * 2.0**-j, frozen)
+        for j in range(coarse, coarse + 1 + (share > 0))
+    )
+    return curve._edit(mixed(graded, finer[0], share) if finer else graded)
 
 
 def _hull(curve: WaveletBSpline, interval: Interval) -> tuple[float, float]:

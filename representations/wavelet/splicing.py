@@ -18,7 +18,12 @@ import numpy as np
 from multirep.arrays import Array
 from multirep.errors import InvalidCurveError, ParameterError, ToleranceError
 from multirep.interval import Interval
-from multirep.representations.wavelet.attempt import Attempt, Frame, frame_pieces
+from multirep.representations.wavelet.attempt import (
+    Attempt,
+    Frame,
+    Problem,
+    frame_pieces,
+)
 from multirep.representations.wavelet.dyadic import (
     clusters,
     coarsest_between,
@@ -258,6 +263,7 @@ def _fit(
 ) -> Attempt:
     """Predict the knots between the first and the last ones, then fit."""
     to_t = partial(parameters, domain=domain)
+    problem = Problem.of(target, to_t, frame, magnitude)
     shortest = 2.0 ** -finest_level(domain)
     first, last = ends
     u = np.array([first[0], last[-1]])
@@ -287,7 +293,7 @@ def _fit(
     more = predict(target, u[:-1], u[1:], shortest, to_t)
     u = np.concatenate((first[:-1], u, more, last[1:]))
     u.sort()
-    return fit_stretch(target, u, to_t, frame, shortest=shortest, magnitude=magnitude, thin=thin)
+    return fit_stretch(problem, u, shortest=shortest, thin=thin)
 
 
 def _first_spans(target: Target, ends: Array, frame: Frame) -> tuple[float, float]:

@@ -170,6 +170,9 @@ def test_unreachable_tolerances_say_what_is_reachable():
         WaveletBSpline.fit(rough, tolerance=1e-12)
     assert caught.value.reachable > 1e-12
     WaveletBSpline.fit(rough, tolerance=4 * caught.value.reachable)
+    t = np.linspace(0, 1, 500)
+    with pytest.raises(ToleranceError, match="rounding"):
+        WaveletBSpline.fit(SampledSplice(t, np.sin(9 * t)[:, None]), tolerance=1e-30)
     jump = SampledSplice([0, 0.3, np.nextafter(0.3, 1), 1], [[0], [0], [1], [1]])
     with pytest.raises(ToleranceError, match="reachable") as caught:
         WaveletBSpline.fit(jump, tolerance=1e-3)
