@@ -14,11 +14,12 @@ stretch stays frozen up to the next place where every representation can stop.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 
 import attrs
 
 from multirep.errors import EditError, FrozenError, PluginError
+from multirep.events import Event, Prepared
 from multirep.interval import Interval
 from multirep.representation import Representation
 from multirep.splices import SpliceList
@@ -29,10 +30,10 @@ from multirep.state import Held, State
 MOST_GROWTHS = 16
 
 
-def with_claim(state: State, name: str, asked: SpliceList) -> State:
+def with_claim(state: State, name: str, asked: SpliceList, emit: Callable[[Event], None]) -> State:
     """Return the state in which ``asked`` is frozen under ``name``.
 
-    All kinds must have a value and be up to date.
+    All kinds must have a value and be up to date. What is expressed anew is emitted.
 
     Raises
     ------
@@ -47,10 +48,12 @@ def with_claim(state: State, name: str, asked: SpliceList) -> State:
     if name in state.claims:
         raise EditError(f"something is frozen under the name {name!r} already")
     claims = {**state.claims, name: asked}
-    return _prepared(state, claims, state.frozen, asked)
+    return _prepared(state, claims, state.frozen, asked, emit)
 
 
-def without_claim(state: State, name: str, *, tidy: bool = True) -> State:
+def without_claim(
+    state: State, name: str, emit: Callable[[Event], None], *, tidy: bool = True
+) -> State:
     """Return the state in which what ``name`` froze is free, as far as no other claim holds it.
 
     With ``tidy``, helper controls at its ends are taken back (:meth:`Representation.released`).
@@ -58,11 +61,11 @@ def without_claim(state: State, name: str, *, tidy: bool = True) -> State:
     claims = {other: splices for other, splices in state.claims.items() if other != name}
     keep = claimed(claims.values())
     after = (
-        _prepared(state, claims, keep, state.claims[name])
+        _prepared(state, claims, keep, state.claims[name], emit)
         if claims
         else attrs.evolve(state, claims={}, frozen=SpliceList.EMPTY)
     )
-    return _tidied(after) if tidy else after
+    return _tidied(after, emit) if tidy else after
 
 
 def claimed(claims: Iterable[SpliceList]) -> SpliceList:
@@ -95,8 +98,25 @@ def frozen_error(state: State, splices: SpliceList, who: str) -> FrozenError:
     )
 
 
+def check_still(before: State, after: State) -> None:
+    """Raise FrozenError when another tolerance changed a frozen stretch."""
+    if not before.frozen:
+        return
+    for name, held in after.held.items():
+        old = before.held[name].value
+        if held.value is None or old is None:
+            continue
+        moved = held.stale | old.changes(held.value)
+        if moved.intersects(before.frozen):
+            raise frozen_error(before, moved, f"the tolerance {after.tolerance:g} for {name!r}")
+
+
 def _prepared(
-    state: State, claims: Mapping[str, SpliceList], keep: SpliceList, touched: SpliceList
+    state: State,
+    claims: Mapping[str, SpliceList],
+    keep: SpliceList,
+    touched: SpliceList,
+    emit: Callable[[Event], None],
 ) -> State:
     """Hold the union of ``claims`` still in every kind; not a bit of ``keep`` changes.
 
@@ -115,7 +135,7 @@ def _prepared(
         if settled.contains(part):
             continue
         for kind, value in values.items():
-            values[kind], new = _held(kind, value, part, keep)
+            values[kind], new = _held(kind, value, part, keep, emit)
             counts = added.setdefault(kind, {})
             for end, count in new.items():
                 counts[end] = counts.get(end, 0) + count
@@ -124,7 +144,11 @@ def _prepared(
 
 
 def _held(
-    kind: str, value: Representation, part: Interval, keep: SpliceList
+    kind: str,
+    value: Representation,
+    part: Interval,
+    keep: SpliceList,
+    emit: Callable[[Event], None],
 ) -> tuple[Representation, dict[float, int]]:
     """Prepare a value for a stretch, end by end; returns it and how many controls it got where."""
     domain = value.domain
@@ -139,13 +163,15 @@ def _held(
                 f"{kind!r} changed {edit.splices & keep} while it prepared for {part} to be frozen",
                 kind,
             )
+        if edit.splices:
+            emit(Prepared(kind, edit.splices))
         if edit.value.size > value.size:
             added[end] = edit.value.size - value.size
         value = edit.value
     return value, added
 
 
-def _tidied(state: State) -> State:
+def _tidied(state: State, emit: Callable[[Event], None]) -> State:
     """Take back the controls at ends of stretches that are frozen no more."""
     ends = {end for part in state.frozen for end in part}
     added: dict[str, dict[float, int]] = {}
@@ -157,8 +183,9 @@ def _tidied(state: State) -> State:
             edit = value.released(end, counts[end])
             if edit.splices.intersects(state.frozen):
                 waiting[end] = counts[end]  # inside of what another one froze
-            else:
+            elif edit.splices:
                 value = edit.value
+                emit(Prepared(kind, edit.splices))
         added[kind] = waiting
         state = state.with_held(kind, Held(value, state.held[kind].stale))
     return attrs.evolve(state, added=added)

@@ -10,31 +10,26 @@ import numpy as np
 
 from multirep.arrays import ArrayLike
 from multirep.authors import AuthorMap
-from multirep.composition import compose
 from multirep.deviation import Deviation, deviation
 from multirep.edit import Edit
 from multirep.errors import (
-    InvalidCurveError,
     RegistrationError,
     StaleEditError,
-    ToleranceError,
     UnknownNameError,
 )
 from multirep.events import Committed, Event, Skipped
-from multirep.freezing import frozen_error, with_claim, without_claim
+from multirep.freezing import check_still, frozen_error, with_claim, without_claim
 from multirep.interval import Interval
 from multirep.registry import Registry
-from multirep.reparameterization import ParameterMap, reparameterized
+from multirep.reparameterization import ParameterMap, with_parameters
 from multirep.representation import Representation
 from multirep.splices import SpliceList
 from multirep.state import Held, State
 from multirep.synchronization import (
-    SAMPLING_SHARE,
-    SMALLEST_TOLERANCE,
     bring_up_to_date,
     check_edit,
+    check_tolerance,
     evolve_stale,
-    hop,
 )
 from multirep.tightening import with_tolerance
 
@@ -43,6 +38,8 @@ R = TypeVar("R", bound=Representation)
 
 class MultiRepresentation:
     """One conceptual curve, held in every registered representation (Grimm-Ayers 4, 4.2).
+
+    The only mutable object of the kernel; its state is one frozen value: :meth:`snapshot` is O(1).
 
     Parameters
     ----------
@@ -59,11 +56,6 @@ class MultiRepresentation:
     ToleranceError
         When the tolerance is not positive, or below what rounding allows for coordinates of this
         size.
-
-    Notes
-    -----
-    The only mutable object of the kernel; its state is one frozen value, so :meth:`snapshot` is
-    O(1).
 
     Examples
     --------
@@ -96,7 +88,7 @@ class MultiRepresentation:
                     kind,
                 )
             self._kinds[kind.name] = kind
-        _check_tolerance(tolerance, curve)
+        check_tolerance(tolerance, curve)
         held = {name: Held(None, SpliceList([curve.domain])) for name in self._kinds}
         held[curve.name] = Held(curve, SpliceList.EMPTY)
         self._state = State(float(tolerance), held, AuthorMap.of(curve.domain, curve.name))
@@ -128,8 +120,9 @@ class MultiRepresentation:
         kinds = list(Registry.discover().representations.values() if kinds is None else kinds)
         starters = [kind for kind in kinds if hasattr(kind, "from_points")]
         if not starters:
-            names = ", ".join(kind.name for kind in kinds) or "none"
-            raise RegistrationError(f"no representation offers from_points; given: {names}")
+            raise RegistrationError(
+                f"no representation offers from_points; given: {[kind.name for kind in kinds]}"
+            )
         author = starters[0].from_points(points, t=t)
         curve = cls(author, tolerance=tolerance, kinds=kinds)
         curve.merged = len(np.asarray(points)) - author.size
@@ -253,7 +246,7 @@ class MultiRepresentation:
             )
         if edit.splices.intersects(self._state.frozen):
             raise frozen_error(self._state, edit.splices, by or name)
-        _check_tolerance(self.tolerance, edit.value)
+        check_tolerance(self.tolerance, edit.value)
         state = self._state.with_held(name, Held(edit.value, held.stale))
         self._state = evolve_stale(state, name, edit.splices)
         self._emit(Committed(name, edit.splices))
@@ -295,27 +288,11 @@ class MultiRepresentation:
         >>> float(curve.view("polyline").t[1])
         0.25
         """
-        kinds = [kind for kind in self._kinds.values() if hasattr(kind, "from_points")]
-        if not kinds:
-            raise RegistrationError(
-                "re-parameterising needs a representation that can be made of points, as the "
-                f"polyline; this curve keeps {', '.join(self._kinds)}"
-            )
-        state, everywhere = self._state, SpliceList([self.domain])
-        if state.frozen:
-            raise frozen_error(state, everywhere, "re-parameterising")
-        share = SAMPLING_SHARE * hop(state.tolerance)
-        sampled = compose(state, self.domain, tolerance=share, emit=self._emit)
-        t, points = reparameterized(sampled, mapping)
-        value = kinds[0].from_points(points, t=t)
-        name = kinds[0].name
-        before = state.held[name].value
-        if state.authors.names == (name,) and before is not None and not before.changes(value):
+        after = with_parameters(self._state, self._kinds.values(), mapping, self._emit)
+        if after is self._state:
             return SpliceList.EMPTY
-        state = state.with_held(name, Held(value, SpliceList.EMPTY))
-        self._state = evolve_stale(state, name, everywhere)
-        self._emit(Committed(name, everywhere))
-        return everywhere
+        self._state = after
+        return SpliceList([self.domain])
 
     @property
     def tolerance(self) -> float:
@@ -326,9 +303,9 @@ class MultiRepresentation:
     def tolerance(self, tolerance: float) -> None:
         for held in self._state.held.values():
             if held.value is not None:
-                _check_tolerance(tolerance, held.value)
+                check_tolerance(tolerance, held.value)
         after = with_tolerance(self._state, float(tolerance), self._emit)
-        _check_still(self._state, after)
+        check_still(self._state, after)
         self._state = after
 
     def freeze(self, name: str, where: SpliceList | Interval) -> None:
@@ -344,7 +321,9 @@ class MultiRepresentation:
         """
         for kind in self._kinds:
             self.view(kind)
-        self._state = with_claim(self._state, name, _region(where, self.domain))
+        self._state = with_claim(
+            self._state, name, _region(where, self.domain), self._emit
+        )
 
     def thaw(self, name: str, *, tidy: bool = True) -> None:
         """Release what was frozen under ``name``; stretches that others froze stay so.
@@ -356,7 +335,7 @@ class MultiRepresentation:
         if len(self._state.claims) > 1:
             for kind in self._kinds:
                 self.view(kind)
-        self._state = without_claim(self._state, name, tidy=tidy)
+        self._state = without_claim(self._state, name, self._emit, tidy=tidy)
 
     def snapshot(self) -> State:
         """Return the whole state, O(1); nothing is copied."""
@@ -421,35 +400,3 @@ def _region(where: SpliceList | Interval | None, domain: Interval) -> SpliceList
     if where is None:
         return SpliceList([domain])
     return SpliceList([where]) if isinstance(where, Interval) else where
-
-
-def _check_still(before: State, after: State) -> None:
-    """Raise when another tolerance would change a frozen stretch."""
-    if not before.frozen:
-        return
-    for name, held in after.held.items():
-        old = before.held[name].value
-        if held.value is None or old is None:
-            continue
-        moved = held.stale | old.changes(held.value)
-        if moved.intersects(before.frozen):
-            raise frozen_error(before, moved, f"the tolerance {after.tolerance:g} for {name!r}")
-
-
-def _check_tolerance(tolerance: float, curve: Representation) -> None:
-    """Raise unless the tolerance is positive and rounding allows it for these coordinates."""
-    if not (np.isfinite(tolerance) and tolerance > 0):
-        raise ToleranceError(
-            f"the tolerance must be positive and finite, got {tolerance!r}", tolerance=tolerance
-        )
-    magnitude = curve.magnitude
-    if not np.isfinite(magnitude):
-        raise InvalidCurveError("the curve has NaN or infinite coordinates")
-    reachable = SMALLEST_TOLERANCE * magnitude
-    if tolerance < reachable:
-        raise ToleranceError(
-            f"tolerance {tolerance:g} is below rounding for coordinates up to {magnitude:g}: "
-            f"the smallest reachable is {reachable:.3g}",
-            tolerance=tolerance,
-            reachable=reachable,
-        )

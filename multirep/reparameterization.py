@@ -8,20 +8,65 @@ other representation follows (:meth:`multirep.MultiRepresentation.reparameterize
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterable
 from typing import Literal, TypeAlias
 
 import numpy as np
 
 from multirep.arrays import Array, ArrayLike
-from multirep.errors import EditError
+from multirep.composition import compose
+from multirep.errors import EditError, RegistrationError
+from multirep.events import Committed, Event
+from multirep.freezing import frozen_error
+from multirep.representation import Representation
 from multirep.sampled import SampledSplice, interpolate
 from multirep.spacing import told_apart
+from multirep.splices import SpliceList
+from multirep.state import Held, State
+from multirep.synchronization import SAMPLING_SHARE, evolve_stale, hop
 
 #: "even" for even speed, or the pairs (old t, new t) of a piecewise linear map.
 ParameterMap: TypeAlias = Literal["even"] | tuple[ArrayLike, ArrayLike]
 
 #: What may fall between two parameters with no room for more, as a part of the curve's size.
 LOST = 2.0**-30
+
+
+def with_parameters(
+    state: State,
+    kinds: Iterable[type[Representation]],
+    mapping: ParameterMap,
+    emit: Callable[[Event], None],
+) -> State:
+    """Return the state under mapped parameters; the same state when they are so already.
+
+    The authors are sampled as for a fit; that polyline at the mapped parameters becomes the only
+    author, in the first of ``kinds`` that can be made of points.
+
+    Raises
+    ------
+    EditError, RegistrationError, FrozenError
+        See :meth:`multirep.MultiRepresentation.reparameterize`.
+    """
+    kinds = list(kinds)
+    starters = [kind for kind in kinds if hasattr(kind, "from_points")]
+    if not starters:
+        raise RegistrationError(
+            "re-parameterising needs a representation that can be made of points, as the "
+            f"polyline; this curve keeps {', '.join(kind.name for kind in kinds)}"
+        )
+    everywhere = SpliceList([state.authors.domain])
+    if state.frozen:
+        raise frozen_error(state, everywhere, "re-parameterising")
+    share = SAMPLING_SHARE * hop(state.tolerance)
+    sampled = compose(state, state.authors.domain, tolerance=share, emit=emit)
+    t, points = reparameterized(sampled, mapping)
+    value, name = starters[0].from_points(points, t=t), starters[0].name
+    before = state.held[name].value
+    if state.authors.names == (name,) and before is not None and not before.changes(value):
+        return state
+    emit(Committed(name, everywhere))
+    return evolve_stale(state.with_held(name, Held(value, SpliceList.EMPTY)), name, everywhere)
 
 
 def reparameterized(sampled: SampledSplice, mapping: ParameterMap) -> tuple[Array, Array]:

@@ -18,6 +18,7 @@ import numpy as np
 from multirep.composition import compose
 from multirep.edit import Edit
 from multirep.errors import (
+    InvalidCurveError,
     InvariantError,
     MultirepError,
     PluginError,
@@ -257,6 +258,25 @@ def check_edit(before: Representation, edit: Edit[Representation], plugin: str) 
         raise UnreportedChangeError(
             f"{plugin!r} changed {unreported} without reporting it "
             f"(reported: {edit.splices or 'nothing'})"
+        )
+
+
+def check_tolerance(tolerance: float, curve: Representation) -> None:
+    """Raise unless the tolerance is positive and rounding allows it for these coordinates."""
+    if not (np.isfinite(tolerance) and tolerance > 0):
+        raise ToleranceError(
+            f"the tolerance must be positive and finite, got {tolerance!r}", tolerance=tolerance
+        )
+    magnitude = curve.magnitude
+    if not np.isfinite(magnitude):
+        raise InvalidCurveError("the curve has NaN or infinite coordinates")
+    reachable = SMALLEST_TOLERANCE * magnitude
+    if tolerance < reachable:
+        raise ToleranceError(
+            f"tolerance {tolerance:g} is below rounding for coordinates up to {magnitude:g}: "
+            f"the smallest reachable is {reachable:.3g}",
+            tolerance=tolerance,
+            reachable=reachable,
         )
 
 
