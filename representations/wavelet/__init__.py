@@ -1,9 +1,10 @@
 """The multiresolution wavelet B-spline.
 
 Reading order: ``filters``, ``analysis``, ``pyramid`` (uniform levels and wavelets); ``dyadic``,
-``graded`` (the stored truth); ``target``, ``prediction``, ``fitting``, ``splicing`` (following a
-polyline); ``details``, ``uniform``, ``holding`` (edits and the way between both faces); ``bspline``
-(the value); ``data``.
+``graded`` (the stored truth), ``bspline`` (the value); ``target``, ``prediction``, ``attempt``,
+``fitting``, ``splicing`` (following a polyline); ``details``, ``uniform`` (from one face to the
+other), ``targets``, ``levels``, ``smoothing``, ``frames``, ``character``, ``confining`` (edits by
+level); ``holding`` (stretches that stay); ``data``.
 """
 
 from __future__ import annotations
