@@ -106,7 +106,7 @@ class Session:
     def add(self, name: str, curve: MultiRepresentation) -> None:
         """Add a curve under a new name: one undo step, but for those from before the first step."""
         state = curve.snapshot()
-        if self._past or self._future:
+        if self._past or self._future or self._open:
             with self._step() as entries:
                 self.framework.add(name, curve)
                 entries.append(Added(name, state, curve.kinds, True))
@@ -206,11 +206,14 @@ class Session:
 
     def _settled(self, verb: str) -> _Moment:
         """Write down what was looked at since the last step; return how everything is now."""
-        if self._open:
-            raise HistoryError(f"cannot {verb} beside an open gesture, but by its own apply()")
+        self._check_closed(verb)
         curves = self.curves
         self.journal.write(*self.journal.unnoticed(curves))
         return _Moment(curves, self.framework.snapshot())
+
+    def _check_closed(self, verb: str) -> None:
+        if self._open:
+            raise HistoryError(f"cannot {verb} beside an open gesture, but by its own apply()")
 
     # -- history -----------------------------------------------------------------------------------
 
@@ -239,6 +242,7 @@ class Session:
         self._travel(steps, self._future, self._past, "redo")
 
     def _travel(self, steps: int, source: list[_Moment], target: list[_Moment], verb: str) -> None:
+        self._check_closed(verb)
         if steps < 1:
             raise HistoryError(f"steps to {verb} must be 1 or more, got {steps}")
         if steps > len(source):
