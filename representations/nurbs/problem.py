@@ -72,11 +72,13 @@ class Course(NamedTuple):
             beside[:-1] = kinked
             beside[1:] |= kinked
             at = np.flatnonzero(beside)
-            middle = 0.5 * t[at] + 0.5 * t[at + 1]
-            at = at[(t[at] < middle) & (middle < t[at + 1])]
-            middle = 0.5 * t[at] + 0.5 * t[at + 1]
-            row_t = np.insert(t, at + 1, middle)
-            row_points = np.insert(points, at + 1, 0.5 * points[at] + 0.5 * points[at + 1], axis=0)
+            middle = 0.5 * (t[at] + t[at + 1])
+            some = (t[at] < middle) & (middle < t[at + 1])
+            at, middle = at[some], middle[some]
+            order = np.concatenate((t, middle)).argsort(kind="stable")
+            row_t = np.concatenate((t, middle))[order]
+            between = 0.5 * points[at] + 0.5 * points[at + 1]
+            row_points = np.concatenate((points, between))[order]
         return cls(t, points, allowance, tightest, uniform, heights, row_t, row_points)
 
     @classmethod

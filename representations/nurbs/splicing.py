@@ -131,7 +131,7 @@ def _beginning(
         corners = np.union1d(corners, full[np.isin(full, kinks)])
     if len(corners):
         begin = merged_breakpoints(begin, corners, [corners], p)
-    return np.unique(forced), begin
+    return np.array(sorted(set(forced.tolist()))), begin
 
 
 def _assembled(curve: N, window: Window, trial: Trial, bound: float) -> Edit[N]:
