@@ -49,4 +49,15 @@ class Committed:
     splices: SpliceList
 
 
-Event: TypeAlias = Sampled | Fitted | Skipped | Committed
+@attrs.frozen
+class Prepared:
+    """A representation was prepared for a stretch to be frozen, or took that back.
+
+    The same curve up to rounding; ``splices`` is where it is expressed anew.
+    """
+
+    kind: str
+    splices: SpliceList
+
+
+Event: TypeAlias = Sampled | Fitted | Skipped | Committed | Prepared
