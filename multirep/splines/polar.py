@@ -15,6 +15,9 @@ from multirep.splines.arrays import Array, IntArray
 
 __all__ = ["bernstein", "blossom", "refine"]
 
+#: A piece may be continued over so many times its length: that costs a few units in the last place.
+_MUCH_LONGER = 4.0
+
 
 @cache
 def _ladder(degree: int) -> tuple[IntArray, IntArray, IntArray]:
@@ -185,7 +188,9 @@ def refine(knots: Array, coefficients: Array, degree: int, new_knots: Array) -> 
     Notes
     -----
     Each new control point is the blossom, at its p inner knots, of the old polynomial piece
-    nearest to the middle of its support; only the changed ones are computed.
+    nearest to the middle of its support, or of the longest one where that is much shorter (from a
+    tiny span among long ones, rounding errors would be continued over many times its length); only
+    the changed ones are computed.
 
     Examples
     --------
@@ -203,6 +208,11 @@ def refine(knots: Array, coefficients: Array, degree: int, new_knots: Array) -> 
     after = np.minimum(filled.searchsorted(middle), len(filled) - 1)
     right, left = filled[after], filled[np.maximum(after - 1, 0)]
     chosen = np.where(right - middle <= middle - left, right, left)
+    lengths = new_knots[1:] - new_knots[:-1]
+    support = np.minimum(np.maximum(rows + np.arange(degree + 1)[:, None], degree), count - 1)
+    longest = support[lengths.take(support).argmax(axis=0), rows]
+    tiny = lengths.take(longest) > _MUCH_LONGER * lengths.take(chosen)
+    chosen = np.where(tiny, longest, chosen)
     spans = np.asarray(knots.searchsorted(new_knots[chosen], "right") - 1)
     # If no local knot changed, the old control point sits as far from the span as the new one.
     same = rows + (spans - chosen)

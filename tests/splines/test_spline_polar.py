@@ -145,3 +145,14 @@ def test_bernstein_form_of_a_piece_one_ulp_wide_stays_at_the_curve() -> None:
     start = np.array([0.2])
     rows = bernstein(knots, points, 3, np.array([4]), start, np.nextafter(start, 1))
     assert np.abs(rows - evaluate(knots, points, 3, start)).max() <= 16 * EPS * 4
+
+
+def test_refining_beside_a_cluster_of_knots_is_exact_to_rounding():
+    """Tiny spans among long ones are no place to continue a polynomial from."""
+    tight = 0.45 + np.array([-(2.0**-22), 0.0, 2.0**-22])
+    knots = np.concatenate((np.zeros(4), [0.2], tight, [0.8], np.ones(4)))
+    points = np.random.default_rng(2).normal(size=(len(knots) - 4, 2))
+    finer = np.sort(np.concatenate((knots, [0.25, 0.5, 0.75])))
+    t = np.union1d(np.linspace(0, 1, 1001), tight)
+    refined = refine(knots, points, 3, finer)
+    assert np.abs(evaluate(finer, refined, 3, t) - evaluate(knots, points, 3, t)).max() <= 1e-14
