@@ -27,7 +27,7 @@ class Smooth(Tool[WaveletBSpline]):
     level : float
         From 0, a single cubic.
     interval : pair of float, optional
-        Only there. At each end of it inside T the details fade out over an apron of four spans of
+        Only there. At each end of it inside T the details fade out over an apron of two spans of
         the level, at most a third of the interval; outside not a bit of the curve changes, but see
         the notes.
 
