@@ -88,7 +88,7 @@ class MultiRepresentation:
                     kind,
                 )
             self._kinds[kind.name] = kind
-        check_tolerance(tolerance, curve)
+        check_tolerance(curve, tolerance=tolerance)
         held = {name: Held(None, SpliceList([curve.domain])) for name in self._kinds}
         held[curve.name] = Held(curve, SpliceList.EMPTY)
         self._state = State(float(tolerance), held, AuthorMap.of(curve.domain, curve.name))
@@ -246,7 +246,7 @@ class MultiRepresentation:
             )
         if edit.splices.intersects(self._state.frozen):
             raise frozen_error(self._state, edit.splices, by or name)
-        check_tolerance(self.tolerance, edit.value)
+        check_tolerance(edit.value, tolerance=self.tolerance)
         state = self._state.with_held(name, Held(edit.value, held.stale))
         self._state = evolve_stale(state, name, edit.splices)
         self._emit(Committed(name, edit.splices))
@@ -303,7 +303,7 @@ class MultiRepresentation:
     def tolerance(self, tolerance: float) -> None:
         for held in self._state.held.values():
             if held.value is not None:
-                check_tolerance(tolerance, held.value)
+                check_tolerance(held.value, tolerance=tolerance)
         after = with_tolerance(self._state, float(tolerance), self._emit)
         check_still(self._state, after)
         self._state = after

@@ -261,7 +261,7 @@ def check_edit(before: Representation, edit: Edit[Representation], plugin: str) 
         )
 
 
-def check_tolerance(tolerance: float, curve: Representation) -> None:
+def check_tolerance(curve: Representation, *, tolerance: float) -> None:
     """Raise unless the tolerance is positive and rounding allows it for these coordinates."""
     if not (np.isfinite(tolerance) and tolerance > 0):
         raise ToleranceError(
