@@ -120,9 +120,8 @@ class MultiRepresentation:
         kinds = list(Registry.discover().representations.values() if kinds is None else kinds)
         starters = [kind for kind in kinds if hasattr(kind, "from_points")]
         if not starters:
-            raise RegistrationError(
-                f"no representation offers from_points; given: {[kind.name for kind in kinds]}"
-            )
+            names = [kind.name for kind in kinds]
+            raise RegistrationError(f"no representation offers from_points; given: {names}")
         author = starters[0].from_points(points, t=t)
         curve = cls(author, tolerance=tolerance, kinds=kinds)
         curve.merged = len(np.asarray(points)) - author.size
@@ -321,9 +320,7 @@ class MultiRepresentation:
         """
         for kind in self._kinds:
             self.view(kind)
-        self._state = with_claim(
-            self._state, name, _region(where, self.domain), self._emit
-        )
+        self._state = with_claim(self._state, name, _region(where, self.domain), self._emit)
 
     def thaw(self, name: str, *, tidy: bool = True) -> None:
         """Release what was frozen under ``name``; stretches that others froze stay so.
