@@ -192,11 +192,11 @@ class _Run:
         standing = [d for d in self.history.done if d.curve == curve.name and d.index >= steps]
         return evolve(
             curve,
-            before=self.earlier[steps].get(curve.name),
+            before=self.earlier.get(steps, {}).get(curve.name),
             changed=SpliceList(splice for done in standing for splice in done.changed),
             edits=len(standing),
             strokes=tuple(stroke for done in standing for stroke in done.strokes)
-            + (self.drawn(curve.name) if steps == 0 else ()),
+            + (() if standing else self.drawn(curve.name)),
         )
 
     def drawn(self, name: str) -> tuple[Array, ...]:
