@@ -34,14 +34,18 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 def pytest_configure(config: pytest.Config) -> None:
     profile = os.environ.get("HYPOTHESIS_PROFILE", "ci")
     settings.load_profile(profile)
-    if not settings.default.derandomize and config.getoption("hypothesis_seed", None) is None:
+    if (
+        not settings.get_profile(profile).derandomize
+        and config.getoption("hypothesis_seed", None) is None
+    ):
         config.option.hypothesis_seed = str(secrets.randbelow(10**9))
 
 
 def pytest_report_header(config: pytest.Config) -> str:
     seed = config.getoption("hypothesis_seed", None)
     how = "derandomized" if seed is None else f"repeat with --hypothesis-seed={seed}"
-    return f"hypothesis examples: {settings.default.max_examples} ({how})"
+    profile = settings.get_profile(os.environ.get("HYPOTHESIS_PROFILE", "ci"))
+    return f"hypothesis examples: {profile.max_examples} ({how})"
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:

@@ -178,8 +178,8 @@ def spatula(curve: mr.MultiRepresentation, u: float, offset: tuple[float, ...]) 
 
 
 def oversketch(curve: mr.MultiRepresentation, u: float, offset: tuple[float, ...]) -> Any:
-    t = np.linspace(0.8 * u, 0.8 * u + 0.2, 20)
-    stroke = curve.view(Polyline)(place(curve, t))
+    t = np.linspace(place(curve, 0.8 * u), place(curve, 0.8 * u + 0.2), 20)
+    stroke = curve.view(Polyline)(t)
     bump = np.sin(np.pi * np.linspace(0, 1, 20))[:, None] * np.resize(offset, stroke.shape[1])
     return Oversketch(stroke=(stroke + bump).tolist(), join=("C0", "G1", "C2")[round(2 * u)])
 

@@ -24,6 +24,7 @@ from multirep.testing.curves import size_of
 from multirep.testing.doubles import follower_of
 from multirep.testing.elements import default_elements
 from multirep.testing.laws import check_certificate, check_edit, check_same
+from multirep.testing.looking import even
 from multirep.testing.parameters import check_parameters
 
 
@@ -142,7 +143,7 @@ class ConstraintSuite:
         """A second enforcement is a correction of rounding, if anything."""
         once = self.check(value, constraint).value
         twice = constraint.enforce(once, SpliceList([once.domain]), Scene()).value
-        t = np.linspace(*once.domain, 501)
+        t = even(once.domain, 501)
         assert np.abs(once(t) - twice(t)).max() <= 1e-7 * once.magnitude
 
     # -- in a session ------------------------------------------------------------------------------

@@ -11,11 +11,12 @@ import numpy as np
 from multirep.interval import Interval
 from multirep.representation import Representation
 from multirep.sampled import SampledSplice
+from multirep.testing.looking import even
 
 
 def size_of(value: Representation) -> float:
     """Return the largest extent of a curve along a coordinate axis, from a grid."""
-    return float(np.ptp(value(np.linspace(*value.domain, 257)), axis=0).max())
+    return float(np.ptp(value(even(value.domain, 257)), axis=0).max())
 
 
 def stretches(domain: Interval, seed: int) -> list[Interval]:
@@ -98,7 +99,7 @@ def wave(dimension: int, *, tolerance: float) -> SampledSplice:
     pieces = int(np.ceil(np.sqrt(bend / (8 * tolerance)))) + 1
     t = np.linspace(0.0, 1.0, pieces + 1)
     points = 0.5 * np.sin(2 * np.pi * rates * t[:, None] + 0.3)
-    return SampledSplice(t, points, bend / (8 * pieces**2))
+    return SampledSplice(t, points, float(bend / (8 * pieces**2)))
 
 
 def polygon(dimension: int) -> SampledSplice:

@@ -14,11 +14,13 @@ from multirep.arrays import Array, frozen_array
 from multirep.constraint import Constraint
 from multirep.edit import Edit
 from multirep.errors import EditError
+from multirep.fields import as_point, finite_point
 from multirep.interval import Interval
 from multirep.representation import Representation
 from multirep.sampled import SampledSplice
 from multirep.scene import Scene
 from multirep.splices import SpliceList
+from multirep.testing.looking import even
 from multirep.testing.loopback import LoopbackRepresentation
 from multirep.tool import Tool
 
@@ -42,12 +44,12 @@ class CountingRepresentation(LoopbackRepresentation):
     def sample(self, interval: Interval, *, tolerance: float) -> SampledSplice:
         """Sample and write it down."""
         self.log.append(("sample", Interval.of([*map(float, interval)])))
-        return LoopbackRepresentation.sample(self, interval, tolerance=tolerance)
+        return super().sample(interval, tolerance=tolerance)
 
     def splice(self, sampled: SampledSplice, *, tolerance: float) -> Edit[Self]:
         """Splice and write it down."""
         self.log.append(("splice", sampled.interval))
-        return LoopbackRepresentation.splice(self, sampled, tolerance=tolerance)
+        return super().splice(sampled, tolerance=tolerance)
 
 
 @attrs.frozen(eq=False)
@@ -77,7 +79,7 @@ class NoTouchRepresentation(LoopbackRepresentation):
             raise AssertionError(
                 f"NO TOUCH: sampled on {interval}, outside {str(self.touchable) or 'nothing'}"
             )
-        return LoopbackRepresentation.sample(self, interval, tolerance=tolerance)
+        return super().sample(interval, tolerance=tolerance)
 
 
 @attrs.frozen
@@ -96,15 +98,10 @@ class RecordingTool(Tool[LoopbackRepresentation]):
     edits = LoopbackRepresentation
 
     index: int = attrs.field(validator=[attrs.validators.instance_of(int), attrs.validators.ge(0)])
-    offset: tuple[float, ...] = attrs.field(converter=lambda v: tuple(map(float, v)))
+    offset: tuple[float, ...] = attrs.field(converter=as_point, validator=finite_point)
     calls: list[tuple[LoopbackRepresentation, Scene]] = attrs.field(
         factory=list, init=False, eq=False, repr=False
     )
-
-    @offset.validator
-    def _finite(self, attribute: Any, value: tuple[float, ...]) -> None:
-        if not np.isfinite(value).all():
-            raise EditError(f"offset must be finite, got {value!r}")
 
     def edit(self, value: LoopbackRepresentation, scene: Scene) -> Edit[LoopbackRepresentation]:
         """Move the vertex."""
@@ -129,13 +126,13 @@ class VetoConstraint(Constraint[LoopbackRepresentation]):
     name = "veto"
     needs: ClassVar[type[Representation]] = LoopbackRepresentation
 
-    interval: Interval = attrs.field(converter=Interval.of)
+    interval: Interval = attrs.field(validator=attrs.validators.instance_of(Interval))
     points: Array = attrs.field(converter=frozen_array)
 
     @classmethod
     def on(cls, value: Representation, interval: Interval) -> Self:
         """Veto changes of ``value`` on ``interval``."""
-        return cls(interval, value(np.linspace(*interval, 33)))
+        return cls(interval, value(even(interval, 33)))
 
     def region(self, value: Representation) -> Interval:
         """Return the interval."""
@@ -143,7 +140,7 @@ class VetoConstraint(Constraint[LoopbackRepresentation]):
 
     def residual(self, value: Representation) -> float:
         """How far the curve has moved."""
-        t = np.linspace(*self.interval, len(self.points))
+        t = even(self.interval, len(self.points))
         return float(np.linalg.norm(value(t) - self.points, axis=1).max())
 
     def enforce(self, value: Any, change: SpliceList, scene: Scene) -> Edit[Any]:

@@ -65,12 +65,16 @@ def default_elements(value: Representation) -> list[Elements]:
     whatever is beside that end. Anything else is not known: the list is empty, and only evaluation
     is compared.
     """
-    points = getattr(value, "points", None)
-    if points is None:
+    stored = {
+        name: np.asarray(getattr(value, name))
+        for name in ("t", "knots", "points", "weights")
+        if hasattr(value, name)
+    }
+    if "points" not in stored:
         return []
-    rows = np.asarray(points)
-    if hasattr(value, "knots"):
-        knots = np.asarray(value.knots)
+    rows = stored["points"]
+    if "knots" in stored:
+        knots = stored["knots"]
         order = len(knots) - len(rows)
         starts, stops = knots[:-order], knots[order:]
         first, last = value.domain
@@ -84,11 +88,11 @@ def default_elements(value: Representation) -> list[Elements]:
             ),
             Elements("points", starts, stops, rows),
         ]
-        if hasattr(value, "weights"):
-            found.append(Elements("weights", starts, stops, np.asarray(value.weights)[:, None]))
+        if "weights" in stored:
+            found.append(Elements("weights", starts, stops, stored["weights"][:, None]))
         return found
-    if hasattr(value, "t"):
-        t = np.asarray(value.t)
+    if "t" in stored:
+        t = stored["t"]
         return [
             Elements("t", t, t, t[:, None]),
             Elements("points", np.r_[t[0], t[:-1]], np.r_[t[1:], t[-1]], rows),

@@ -13,6 +13,7 @@ from multirep.edit import Edit
 from multirep.representation import Representation
 from multirep.splices import SpliceList
 from multirep.testing.doubles import CountingRepresentation
+from multirep.testing.looking import even
 from multirep.testing.loopback import LoopbackRepresentation
 from multirep.tool import Tool
 
@@ -85,7 +86,7 @@ def faulty_tools(
 
 
 def _other_kind(value: Representation) -> Representation:
-    t = np.linspace(*value.domain, 5)
+    t = even(value.domain, 5)
     if type(value) is LoopbackRepresentation:
         return CountingRepresentation(t, value(t))
     return LoopbackRepresentation(t, value(t))

@@ -26,7 +26,7 @@ from multirep.representation import Representation
 from multirep.sampled import SampledSplice
 from multirep.splices import SpliceList
 from multirep.testing.elements import ElementsOf, default_elements
-from multirep.testing.looking import GRID, dense_parameters, seen_deviation
+from multirep.testing.looking import GRID, dense_parameters, even, seen_deviation
 
 if TYPE_CHECKING:
     from multirep.multirepresentation import MultiRepresentation
@@ -154,7 +154,7 @@ def check_edit(
     return edit
 
 
-def check_data(value: R, *, elements: ElementsOf = default_elements) -> None:
+def check_data(value: Representation, *, elements: ElementsOf = default_elements) -> None:
     """Check that a value survives ``to_dict``, JSON and ``from_dict``, if it offers them."""
     data = _as_data(value)
     if data is not None:
@@ -329,7 +329,7 @@ def _within(
 
 
 def _fingerprint(value: Representation, elements: ElementsOf) -> tuple[object, ...]:
-    t = np.linspace(*value.domain, GRID)
+    t = even(value.domain, GRID)
     arrays = [element.rows.tobytes() for element in elements(value)]
     return (value.domain, value.dimension, value(t).tobytes(), *arrays, _as_data(value))
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from multirep.arrays import Array
+from multirep.interval import Interval
 from multirep.representation import Representation
 from multirep.splices import SpliceList
 from multirep.testing.elements import ElementsOf, default_elements
@@ -74,3 +75,14 @@ def dense_parameters(
     t = np.concatenate([np.linspace(start, stop, GRID), known, middles, *beside])
     unique: Array = np.unique(t[(start <= t) & (t <= stop)])
     return unique
+
+
+def even(interval: Interval, count: int) -> Array:
+    """Return ``count`` even parameters from end to end of an interval.
+
+    Examples
+    --------
+    >>> even(Interval(0, 1), 3).tolist()
+    [0.0, 0.5, 1.0]
+    """
+    return np.linspace(interval.start, interval.stop, count)

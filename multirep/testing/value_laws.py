@@ -15,6 +15,7 @@ from multirep.representation import Representation
 from multirep.splices import SpliceList
 from multirep.testing.curves import bumped, place_of, size_of, stretches
 from multirep.testing.laws import check_data, check_same
+from multirep.testing.looking import even
 from multirep.testing.representation_base import RepresentationBase
 
 
@@ -39,7 +40,7 @@ class ValueLaws(RepresentationBase):
         assert representation.dimension >= 1
         assert type(representation.size) is int
         assert representation.size >= 2
-        values = representation(np.linspace(*representation.domain, 500))
+        values = representation(even(representation.domain, 500))
         assert np.abs(values).max() <= representation.magnitude * (1 + 1e-12)
 
     def test_values_are_immutable(self, representation: Representation) -> None:
@@ -64,7 +65,7 @@ class ValueLaws(RepresentationBase):
 
     def test_evaluation_does_not_depend_on_the_batch(self, representation: Representation) -> None:
         """One by one, together, in another order or repeated: the same bits."""
-        t = np.linspace(*representation.domain, 101)
+        t = even(representation.domain, 101)
         values = representation(t)
         order = np.random.default_rng(1).permutation(101)
         np.testing.assert_array_equal(representation(t[order]), values[order])
@@ -85,7 +86,7 @@ class ValueLaws(RepresentationBase):
 
     def test_the_curve_is_continuous(self, representation: Representation) -> None:
         """At neighbouring parameters, stored ones among them, the curve does not jump."""
-        t = np.linspace(*representation.domain, 101)
+        t = even(representation.domain, 101)
         for element in self.elements(representation):
             t = np.union1d(t, element.starts)
         t = t[(t > representation.domain.start) & (t < representation.domain.stop)]
@@ -130,7 +131,7 @@ class ValueLaws(RepresentationBase):
     def test_nearest_agrees_with_brute_force(self, representation: Representation) -> None:
         """No point of a dense grid is nearer than the place that is found."""
         rng, size = np.random.default_rng(3), size_of(representation)
-        grid = representation(np.linspace(*representation.domain, 20_001))
+        grid = representation(even(representation.domain, 20_001))
         centre = grid.mean(axis=0)
         for _ in range(8):
             point = centre + size * rng.uniform(-1, 1, representation.dimension)

@@ -37,7 +37,7 @@ class Circle(Representation):
 
     def sample(self, interval: Interval, *, tolerance: float) -> SampledSplice:
         pieces = int(np.ceil(interval.length / np.sqrt(8 * tolerance / self.radius)))
-        t = np.linspace(*interval, pieces + 1)
+        t = np.linspace(interval.start, interval.stop, pieces + 1)
         self.samples += pieces + 1
         return SampledSplice(t, self(t), self.radius * (interval.length / pieces) ** 2 / 8)
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import attrs
 import numpy as np
@@ -11,6 +11,7 @@ import pytest
 
 from multirep.constraint import Constraint
 from multirep.edit import Edit
+from multirep.fields import as_point, finite_point
 from multirep.interval import Interval
 from multirep.scene import Scene
 from multirep.splices import SpliceList
@@ -93,12 +94,7 @@ class Pin(Constraint[LoopbackRepresentation]):
     needs = LoopbackRepresentation
 
     index: int = attrs.field(validator=[attrs.validators.instance_of(int), attrs.validators.ge(1)])
-    point: tuple[float, ...] = attrs.field(converter=lambda v: tuple(map(float, v)))
-
-    @point.validator
-    def _finite(self, attribute: Any, value: tuple[float, ...]) -> None:
-        if not np.isfinite(value).all():
-            raise ValueError("point must be finite")
+    point: tuple[float, ...] = attrs.field(converter=as_point, validator=finite_point)
 
     def region(self, value: LoopbackRepresentation) -> Interval:
         return Interval(float(value.t[self.index - 1]), float(value.t[self.index + 1]))
