@@ -212,6 +212,13 @@ def _gap_error(target: Target, end: float, gap: float, chord: int) -> ToleranceE
     )
 
 
+def _fineness_error(target: Target, domain: Interval) -> ToleranceError:
+    return ToleranceError(
+        f"near the ends of the splice [{target.t[0]:.17g}, {target.t[-1]:.17g}] knots finer "
+        f"than the finest on T = {domain} would be needed"
+    )
+
+
 def _frame(curve: Graded, start: _End, stop: _End, origin: Array) -> tuple[Frame, Array, Array]:
     """Cut out the surroundings, and inner knots (6, 3) and rows (6, d) to keep if they stay."""
     before = curve.knots(start.span - 2, start.span + 1)
@@ -269,6 +276,9 @@ def _fit(
     u = np.array([first[0], last[-1]])
     if frame.pieces is not None:
         lengths = _first_spans(target, to_t(u), frame)
+        if not min(lengths):
+            # The old piece beside an end is a sliver; continued, it swings out at once.
+            raise _fineness_error(target, domain)
         lengths = lengths[0] / domain.length, lengths[1] / domain.length
         if len(first) > 1 and float((first[1:] - first[:-1]).max()) > _ABOUT * lengths[0]:
             first = first[:1]
@@ -286,10 +296,7 @@ def _fit(
     while len(u) <= _FEWEST_SPANS[frame.left + frame.right]:
         u = np.sort(np.concatenate((u, halves(u[:-1], u[1:]))))
     if (u[1:] - u[:-1]).min() < shortest:
-        raise ToleranceError(
-            f"near the ends of the splice [{target.t[0]:.17g}, {target.t[-1]:.17g}] knots finer "
-            f"than the finest on T = {domain} would be needed"
-        )
+        raise _fineness_error(target, domain)
     more = predict(target, u[:-1], u[1:], shortest, to_t)
     u = np.concatenate((first[:-1], u, more, last[1:]))
     u.sort()
@@ -299,9 +306,9 @@ def _fit(
 def _first_spans(target: Target, ends: Array, frame: Frame) -> tuple[float, float]:
     """Return how long the first and last span may be for the curve to turn to the target.
 
-    As far as the old piece, continued, departs from the target by 3/2 of the room there is: a curve
-    that leaves it with all derivatives but the third is off by 0.6 s h on spans of length h if the
-    target leaves at the slope s.
+    As far as the old piece, continued, departs from the target by 3/2 of the room there is (0 where
+    it does so at once): a curve that leaves it with all derivatives but the third is off by 0.6 s h
+    on spans of length h if the target leaves at the slope s.
     """
     assert frame.pieces is not None
     total = float(ends[1] - ends[0])
