@@ -1,6 +1,7 @@
 # make demo    one curve edited in three representations: installs, runs, says where the picture is
 # make test    everything that is checked: lint, types, tests; .ci/run calls it
 # make picture the picture of the README, from examples/cat.toml
+# make gallery docs/gallery.md and its pictures, from the scripts that it shows
 # make types   pyright beside mypy (fetches Node.js once)
 # make clean   removes the virtual environment and what was built
 #
@@ -10,7 +11,7 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 
-.PHONY: demo test lint types picture clean
+.PHONY: demo test lint types picture gallery clean
 
 demo: $(VENV)/demo.stamp
 	$(BIN)/multirep run examples/cat.toml --out cat-out
@@ -31,6 +32,9 @@ types: $(VENV)/test.stamp
 
 picture: $(VENV)/demo.stamp
 	$(BIN)/multirep render examples/cat.toml -o docs/cat.svg
+
+gallery: $(VENV)/demo.stamp
+	$(BIN)/python docs/make_gallery.py
 
 $(VENV)/demo.stamp: pyproject.toml setup.py | $(VENV)/pip.stamp
 	PYTHONWARNINGS=ignore $(BIN)/python -m pip install -q -e .

@@ -10,7 +10,7 @@ from multirep.representation import Representation
 
 #: How far the drawn line may be from the curve, and how close two drawn points may be, in page
 #: units.
-DRAWN_WITHIN, CLOSEST = 0.08, 0.25
+DRAWN_WITHIN, CLOSEST = 0.08, 0.5
 
 
 def trace(curve: Representation, interval: Interval, scale: float) -> tuple[Array, Array]:

@@ -12,6 +12,7 @@ from multirep.drawing.picture import Box, Group, Item, Lines, Marks, Picture
 
 #: Digits after the point: a hundredth of a pixel is finer than any screen shows.
 DIGITS = 2
+THIN = "\N{THIN SPACE}"
 #: The first that the viewer has.
 FONT = "Inter, 'Helvetica Neue', Helvetica, Arial, 'DejaVu Sans', sans-serif"
 
@@ -134,4 +135,6 @@ def _cell(hundredths: int) -> str:
 
 def _text(text: str) -> str:
     """Escape; characters that XML does not allow become the replacement character."""
-    return escape("".join(c if c.isprintable() else "\N{REPLACEMENT CHARACTER}" for c in text))
+    # str.isprintable() says no to every space but one; the pictures group digits by thin ones
+    shown = (c if c.isprintable() or c == THIN else "\N{REPLACEMENT CHARACTER}" for c in text)
+    return escape("".join(shown))
