@@ -26,6 +26,8 @@ __all__ = ["frames"]
 #: Directions of a curve that is slower than this part of its greatest speed are not looked at: the
 #: digits that rounding leaves of them are too few.
 _SLOW = 1e-6
+#: Of the largest coordinate, what rounding makes of differences of control points.
+_ROUNDING = 32 * float(np.finfo(np.float64).eps)
 #: A curve in space that turns by less than this in its length, as an angle, is straight.
 _STRAIGHT = 1e-9
 
@@ -68,7 +70,8 @@ def frames(points: Array, coarser: Array | None = None) -> Array:
     u, centres = clamped(np.arange(spans + 1) / spans), (np.arange(spans) + 0.5) / spans
     velocity = evaluate(u, points, 3, centres, order=1)
     speed = np.linalg.norm(velocity, axis=1)
-    moving = speed > _SLOW * speed.max()
+    noise = _ROUNDING * spans * float(np.abs(points).max())
+    moving = speed > max(_SLOW * speed.max(), noise)
     if not moving.any():
         return np.tile(np.eye(dimension), (spans, 1, 1)) if coarser is None else _halves(coarser)
     if dimension == 2:
@@ -83,6 +86,7 @@ def frames(points: Array, coarser: Array | None = None) -> Array:
     tangents = (velocity / np.where(moving, speed, 1.0)[:, None])[_before(moving)]
     bend = evaluate(u, points, 3, centres, order=2)
     bend -= np.einsum("md,md->m", bend, tangents)[:, None] * tangents
+    bend *= np.linalg.norm(bend, axis=1)[:, None] > spans * noise
     curvature = np.linalg.norm(bend, axis=1) * moving / np.where(moving, speed, 1.0) ** 2
     turn = curvature.max() * speed.max()
     if turn < _STRAIGHT:

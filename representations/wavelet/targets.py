@@ -153,11 +153,11 @@ def _border(curve: Graded, frozen: Interval) -> tuple[float, float]:
 
 
 def _plus(curve: Graded, level: int, columns: Indices, rows: Array) -> Graded:
-    """Add rows to control points of a level, run by run of consecutive ones."""
+    """Add rows to control points of a level, run by run of those that change."""
+    some = (rows != 0.0).any(axis=1)
+    columns, rows = columns[some], rows[some]
     apart = np.flatnonzero(columns[1:] > columns[:-1] + 1) + 1
     for run, part in zip(np.split(columns, apart), np.split(rows, apart), strict=True):
-        changed = np.flatnonzero((part != 0.0).any(axis=1))
-        if len(changed):
-            first, last = changed[[0, -1]]
-            curve = details.plus(curve, level, int(run[first]), part[first : last + 1])
+        if len(run):
+            curve = details.plus(curve, level, int(run[0]), part)
     return curve
