@@ -73,6 +73,17 @@ def test_the_speed_of_drawing_does_not_matter() -> None:
     assert np.abs(np.linalg.norm(mean, axis=1) - 1).max() <= 2e-4
 
 
+def test_a_trembling_half_does_not_shift_the_other() -> None:
+    """Where one hand draws a longer line through the same places, places still correspond."""
+    at = np.linspace(0, 1, 2000)
+    calm = wave(at)
+    trembling = calm + 0.01 * np.sin(np.minimum(at, 0.5) * 900)[:, None]
+    longer = arc_lengths(trembling)[-1] / arc_lengths(calm)[-1]
+    assert longer > 1.3
+    mean = average_strokes([raw(calm), raw(trembling)]).points
+    assert distances(mean, calm).max() <= 0.01
+
+
 def test_each_stroke_counts_once() -> None:
     """Three lines at heights 0, 0 and 3/8 have their mean at 1/8, in any order."""
     low, high = [[0, 0], [4, 0]], [[0, 0.375], [1, 0.375], [4, 0.375]]

@@ -18,6 +18,7 @@ from multirep.representations import Nurbs, Polyline, WaveletBSpline
 from multirep.testing import ToolSuite, check_certificate, check_edit
 from multirep.testing.strategies import polylines, strokes
 from multirep.tools import Oversketch
+from multirep.tools.oversketch.gap import find_gap
 
 SCENE = mr.Scene()
 
@@ -129,6 +130,17 @@ def test_the_direction_of_drawing_does_not_matter(join: Any, parameters: Any) ->
     assert there.splices == back.splices
     t = np.linspace(0, 1, 2001)
     assert there.value(t) == pytest.approx(back.value(t), abs=1e-9)
+
+
+@pytest.mark.parametrize("join", ["C0", "G1", "C2"])
+def test_the_stroke_is_led_to_the_places_of_its_ends(join: Any) -> None:
+    """However far the ends were: the curve stays continuous, bit by bit, also inside segments."""
+    stroke = bumped(0.3012, 0.6034, off=0.05)
+    gap = find_gap(WAVE, stroke, None)
+    value = Oversketch(stroke=stroke, join=join, noise=0.0).edit(WAVE, SCENE).value
+    for t in (gap.start, gap.stop):
+        assert t not in np.asarray(WAVE.t)
+        assert value(t).tolist() == WAVE(t).tolist()
 
 
 @pytest.mark.parametrize("join", ["C0", "G1", "C2"])
