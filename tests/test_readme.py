@@ -61,3 +61,14 @@ def test_the_script_of_the_readme_runs(tmp_path: Path, monkeypatch: pytest.Monke
     done = CliRunner().invoke(main, ["run", "wave.toml"])
     assert done.exit_code == 0, done.output
     assert (tmp_path / "wave-out" / "wave.svg").is_file()
+
+
+@pytest.mark.parametrize("family", ["tools", "constraints"])
+def test_every_plugin_has_a_row(family: str) -> None:
+    """The tables name all tools and constraints, and nothing else."""
+    from multirep.registry import Registry
+
+    heading = {"tools": "| tool |", "constraints": "| constraint |"}[family]
+    [table] = [part for part in README.read_text().split("\n\n") if part.startswith(heading)]
+    first = "".join(row.split("|")[1] for row in table.splitlines()[2:])
+    assert sorted(re.findall(r"`([^`]+)`", first)) == list(getattr(Registry.discover(), family))
