@@ -207,3 +207,14 @@ def test_domains_other_than_the_unit_interval():
     t = np.linspace(0, 1, 200)
     assert np.abs(first.value(t) - second.value(10 + 4 * t)).max() <= 1e-12
     assert SpliceList([Interval(11, 12)]).contains(second.splices)
+
+
+@each_curve
+def test_details_fade_out_over_an_apron(curve):
+    """Close to an end inside T hardly anything has gone: the change grows with the square."""
+    value, end = CURVES[curve](), 0.3125
+    edit = Smooth(level=3, interval=(end, 1)).edit(value, Scene())
+    gone = np.abs(value.at_level(3)(np.linspace(0, 1, 500)) - value(np.linspace(0, 1, 500))).max()
+    for part in (0.05, 0.1, 0.2):
+        t = np.linspace(end, end + part * min(APRON_SPANS / 8, (1 - end) / 3), 100)
+        assert np.abs(edit.value(t) - value(t)).max() <= 3 * (part + 0.02) ** 2 * gone
