@@ -286,6 +286,26 @@ def test_a_veto_takes_the_edit_back() -> None:
     assert outcome.changed
 
 
+def test_without_a_session_a_veto_takes_the_edit_back_too() -> None:
+    """The framework alone is all or nothing: the edit was committed before the constraint spoke."""
+    curve = wavy(kinds=[*KINDS, LoopbackRepresentation])
+    framework = mr.Framework()
+    framework.add("wave", curve)
+    value = curve.view(LoopbackRepresentation)
+    framework.constrain("wave", VetoConstraint.on(value, Interval(0.4, 0.6)), name="hands off")
+    before = curve.snapshot()
+    with pytest.raises(errors.MultirepError, match=r"hands off|vetoed"):
+        framework.apply("wave", RecordingTool(index=100, offset=(0.0, 0.3)))
+    assert curve.snapshot() is before
+    assert list(framework.constraints("wave")) == ["hands off"]
+    elsewhere = LoopbackRepresentation(value.t, value.points + 1.0)
+    veto = VetoConstraint.on(elsewhere, Interval(0.1, 0.2))
+    with pytest.raises(errors.MultirepError, match=r"second|vetoed"):
+        framework.constrain("wave", veto, name="second")
+    assert curve.snapshot() is before
+    assert list(framework.constraints("wave")) == ["hands off"]
+
+
 def test_an_edit_of_a_stale_stretch_is_refused() -> None:
     """Committing an edit made on an old value raises and says where it is not up to date."""
     curve = wavy()

@@ -24,9 +24,11 @@ from hypothesis.stateful import (
 )
 
 import multirep as mr
+from multirep.arrays import Array
+from multirep.constraints import Freeze
 from multirep.edit import Edit
-from multirep.errors import EditRejectedError, ToleranceError
-from multirep.events import Committed, Event, Fitted
+from multirep.errors import ConflictError, EditRejectedError, MultirepError, ToleranceError
+from multirep.events import Committed, Event, Fitted, Prepared
 from multirep.interval import Interval
 from multirep.representation import Representation
 from multirep.representations import Nurbs, Polyline, WaveletBSpline
@@ -264,7 +266,7 @@ def check_step(before: State, after: State, events: list[Event]) -> None:
     for name, value in values_of(before).items():
         reported = SpliceList.EMPTY
         for event in events:
-            if isinstance(event, Committed | Fitted) and event.kind == name:
+            if isinstance(event, Committed | Fitted | Prepared) and event.kind == name:
                 reported = reported | event.splices
         now = after.held[name].value
         assert now is not None
@@ -312,7 +314,7 @@ class SessionMachine(RuleBasedStateMachine):
         with self.curve.listening() as events:
             try:
                 action()
-            except (EditRejectedError, ToleranceError):
+            except (EditRejectedError, ToleranceError, ConflictError):
                 assert self.curve.snapshot() is before
                 return
         check_step(before, self.curve.snapshot(), events)
@@ -396,10 +398,72 @@ class SessionMachine(RuleBasedStateMachine):
             self.check_is(self.past[0])
 
 
+class FreezingMachine(SessionMachine):
+    """The same with stretches that are frozen and released in between."""
+
+    @initialize()
+    def nothing_frozen(self) -> None:
+        self.ice: dict[str, tuple[SpliceList, dict[str, Array]]] = {}
+
+    def values_on(self, ice: SpliceList) -> dict[str, Array]:
+        t = np.concatenate([np.linspace(s.start, s.stop, 65) for s in ice])
+        return {name: value(t) for name, value in values_of(self.curve.snapshot()).items()}
+
+    @rule(where=dyadic_intervals(16))
+    def freeze(self, where: Interval) -> None:
+        name = f"ice {self.session.undoable}"
+        before = self.curve.snapshot()
+        try:
+            self.session.constrain("curve", Freeze(interval=tuple(where)), name=name)
+        except MultirepError:
+            assert self.curve.snapshot() is before
+            return
+        self.past.append(before)
+        self.future.clear()
+        ice = SpliceList([where])
+        assert self.curve.frozen.contains(ice)
+
+    @precondition(lambda self: self.session.framework.constraints("curve"))
+    @rule(data=st.data())
+    def release(self, data: st.DataObject) -> None:
+        before = self.curve.snapshot()
+        names = sorted(self.session.framework.constraints("curve"))
+        self.session.release("curve", data.draw(st.sampled_from(names)))
+        self.past.append(before)
+        self.future.clear()
+
+    @invariant()
+    def frozen_stretches_keep_every_bit(self) -> None:
+        """From when it was frozen until it is released, in every representation."""
+        claims = self.curve.claims
+        for name, ice in claims.items():
+            if name not in self.ice or self.ice[name][0] != ice:
+                self.ice[name] = ice, self.values_on(ice)
+            for kind, values in self.values_on(ice).items():
+                np.testing.assert_array_equal(values, self.ice[name][1][kind], err_msg=kind)
+        for name in set(self.ice) - set(claims):
+            del self.ice[name]
+
+
 def test_a_session_keeps_its_promises() -> None:
     """A few sessions of a dozen steps each; the slow test below runs many long ones."""
     run_state_machine_as_test(
         SessionMachine, settings=settings(max_examples=15, stateful_step_count=10)
+    )
+
+
+def test_a_session_with_frozen_stretches_keeps_its_promises() -> None:
+    """What is frozen is bit-identical in every representation, through undo too."""
+    run_state_machine_as_test(
+        FreezingMachine, settings=settings(max_examples=8, stateful_step_count=8)
+    )
+
+
+@pytest.mark.slow
+def test_long_sessions_with_frozen_stretches_keep_their_promises() -> None:
+    """The same with more and longer sessions."""
+    run_state_machine_as_test(
+        FreezingMachine, settings=settings(max_examples=100, stateful_step_count=30)
     )
 
 

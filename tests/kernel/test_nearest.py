@@ -84,6 +84,35 @@ def test_finds_the_known_place_on_a_circle(radius: float, far: float, angle: flo
         assert found.t == pytest.approx(angle, abs=1e-4)
 
 
+class LineAndArc(Circle):
+    """A vertical line at x = -1, then an arc that bulges to x = 0.999 between coarse samples."""
+
+    domain = Interval(0.0, 4.0)
+
+    def __init__(self) -> None:
+        super().__init__(2.0, (2.999, 0.0))
+
+    def __call__(self, t: ArrayLike) -> Array:
+        at = self.parameters(t)
+        angle = np.pi + (at - 3) * 0.9 + 0.1234
+        arc = self.centre + self.radius * np.stack([np.cos(angle), np.sin(angle)], axis=-1)
+        line = np.stack([np.full_like(at, -1.0), at - 1], axis=-1)
+        return np.where((at <= 2)[..., None], line, arc)
+
+    def sample(self, interval: Interval, *, tolerance: float) -> SampledSplice:
+        pieces = int(np.ceil(0.9 * interval.length / np.sqrt(8 * tolerance / self.radius)))
+        ends = np.linspace(interval.start, interval.stop, pieces + 1)
+        t = np.unique(np.append(ends, [2.0, np.nextafter(2.0, 3.0)]).clip(*interval))
+        return SampledSplice(t, self(t), tolerance)
+
+
+def test_a_place_that_coarse_samples_hide_is_not_discarded() -> None:
+    """Chords cut the bulge off: at first the line seems nearer, within the bound it is not."""
+    found = nearest_by_sampling(LineAndArc(), np.zeros(2))
+    assert found.distance == pytest.approx(0.999, abs=1e-9)
+    assert found.t > 2
+
+
 def test_costs_a_coarse_sampling_and_then_only_the_neighbourhood() -> None:
     """A place that is clearly nearest is found with a few hundred samples in all."""
     circle = Circle(1.0)

@@ -22,6 +22,16 @@ def test_a_vertex_comes_out_bit_by_bit(sampled: SampledSplice) -> None:
         assert sampled(t).tobytes() == point.tobytes()
 
 
+@pytest.mark.parametrize("seed", range(20))
+def test_a_vertex_comes_out_bit_by_bit_off_the_grid(seed: int) -> None:
+    """Also where the arithmetic of the chord would round, at the last vertex above all."""
+    rng = np.random.default_rng(seed)
+    t = np.sort(rng.uniform(-1e3, 1e3, 9))
+    sampled = SampledSplice(t, rng.normal(size=(9, 3)) * 10.0 ** rng.integers(-9, 9, (9, 1)))
+    assert sampled(t).tobytes() == sampled.points.tobytes()
+    assert sampled(t[-1]).tobytes() == sampled.points[-1].tobytes()
+
+
 @given(sampled_splices(), st.lists(dyadic_numbers(1024), min_size=1, max_size=20))
 def test_interpolation_agrees_with_numpy(sampled: SampledSplice, u: list[float]) -> None:
     """In between, L is what numpy.interp says, up to rounding."""
