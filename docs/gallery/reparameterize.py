@@ -18,6 +18,7 @@ import numpy as np
 import multirep as mr
 from multirep.drawing.picture import Group, Item, Lines, Marks, Picture, Text
 from multirep.drawing.svg import to_svg
+from multirep.representations import Polyline
 from multirep.strokes import curve_from_strokes
 from multirep.tools import Oversketch
 
@@ -40,7 +41,7 @@ def panel(curve: mr.MultiRepresentation, title: str, left: float) -> Item:
     def page(points: np.ndarray) -> np.ndarray:
         return np.stack([left + 4 * (points[:, 0] - 5), 350 - 4 * points[:, 1]], axis=1)
 
-    polyline = curve.view("polyline")
+    polyline = curve.view(Polyline)
     line = Lines((page(np.asarray(polyline.points)),), INK, 1.5)
     dots = Marks(page(polyline(np.linspace(0, 1, 101))), "circle", 2.5, DOTS)
     return Group((line, dots, Text(left, 384, title, 15, INK, bold=True)), title)

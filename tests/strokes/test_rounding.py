@@ -7,7 +7,7 @@ import pytest
 from drawn_strokes import distances, uneven
 from hypothesis import given
 
-from multirep.arrays import Array
+from multirep.arrays import Array, Indices
 from multirep.strokes import clean_stroke
 from multirep.strokes.arc_length import angles_between
 from multirep.strokes.rounding import FACET, rounded
@@ -35,7 +35,7 @@ def test_nothing_turns_more_than_it_did(stroke: Array) -> None:
     straight = clean_stroke(stroke, noise=0.0, straight=True)
     smooth = clean_stroke(stroke, noise=0.0)
 
-    def turns(points: Array, corners: Array) -> Array:
+    def turns(points: Array, corners: Indices) -> Array:
         steps = np.diff(points, axis=0)
         angles = angles_between(steps[:-1], steps[1:])
         return np.delete(angles, corners - 1)
