@@ -128,6 +128,35 @@ def test_what_a_representation_authored_is_not_fitted_anew(kind: type[Representa
     check_certificate(curve)
 
 
+def test_a_short_stretch_of_ones_own_is_not_fitted_anew_with_its_neighbours() -> None:
+    """Two long stale stretches beside a short own one are brought up to date one by one."""
+    u = np.linspace(0, 1, 60)
+    knots = np.r_[[0.0] * 3, np.linspace(0, 1, 58), [1.0] * 3]
+    start = Nurbs(degree=3, knots=knots, points=np.column_stack([8 * u, np.sin(20 * u)]))
+    curve = mr.MultiRepresentation(start, tolerance=1e-2, kinds=[Nurbs, Polyline])
+    edit = push(curve.view(Polyline), 0.5, np.array([0.0, 0.3]))
+    curve.commit(Polyline, edit)
+    (mine,) = edit.splices
+    nurbs = curve.view(Nurbs)
+    left = int(nurbs.knots.searchsorted(mine.start, side="right")) - 5
+    right = int(nurbs.knots.searchsorted(mine.stop, side="left"))
+    for index in (left, right):
+        moved = nurbs.move_control_point(index, nurbs.points[index] + [0.0, 0.3])
+        assert not moved.splices.intersects(edit.splices)
+        curve.commit(Nurbs, moved)
+        nurbs = curve.view(Nurbs)
+    stale = curve.stale(Polyline)
+    assert len(stale) == 2
+    assert mine.length < min(splice.length for splice in stale)
+    with curve.listening() as events:
+        after = curve.view(Polyline)
+    for event in events:
+        assert not (isinstance(event, Sampled) and event.author == "polyline"), event
+    inside = np.linspace(mine.start, mine.stop, 101)[1:-1]
+    np.testing.assert_array_equal(edit.value(inside), after(inside))
+    check_certificate(curve)
+
+
 # -- lazily, and only where it changed -------------------------------------------------------------
 
 
