@@ -249,6 +249,15 @@ def test_looks_are_replayed_for_they_decide_the_last_bits(tmp_path: Path) -> Non
     assert sessions[0]["wave"]["nurbs"] != sessions[1]["wave"]["nurbs"], "the test tests nothing"
 
 
+def test_a_look_is_written_once(session: mr.Session) -> None:
+    """However often the script is asked for; looks that find nothing to do are not written."""
+    for _ in range(2):
+        session.curve("wave").view("nurbs")
+        text = session.script()
+        assert text.count("view = ") == 1
+    assert session.script() == text
+
+
 def test_looks_at_a_part_are_replayed(session: mr.Session, tmp_path: Path) -> None:
     """With where."""
     session.curve("wave").view("nurbs")
