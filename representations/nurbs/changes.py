@@ -26,7 +26,7 @@ def merged(starts: Array, stops: Array, domain: Interval) -> SpliceList:
     starts, stops = starts[some], stops[some]
     if not len(starts):
         return SpliceList.EMPTY
-    apart = np.flatnonzero(starts[1:] > stops[:-1])
+    apart = (starts[1:] > stops[:-1]).nonzero()[0]
     firsts = starts[np.concatenate(([0], apart + 1))]
     lasts = stops[np.concatenate((apart, [len(stops) - 1]))]
     return SpliceList(zip(firsts.tolist(), lasts.tolist(), strict=True))
@@ -107,8 +107,9 @@ def difference(
     other_first, other_last = min(first, n + shift - 1), max(last + shift, first + 1)
     a = mine.window(first - p, last + p + 1)
     b = theirs.window(other_first - p, min(other_last, n + shift) + p + 1)
-    spans = np.flatnonzero(a[p : len(a) - p - 1] < a[p + 1 : len(a) - p]) + p
-    found = np.clip(b.searchsorted(a[spans], "right") - 1, p, len(b) - p - 2)
+    spans = (a[p : len(a) - p - 1] < a[p + 1 : len(a) - p]).nonzero()[0] + p
+    found = b.searchsorted(a[spans], "right") - 1
+    found = np.minimum(np.maximum(found, p), len(b) - p - 2)
     local = np.arange(1 - p, p + 1)
     same = (a.take(spans[:, None] + local) == b.take(found[:, None] + local)).all(axis=1)
     for here, there in rows:

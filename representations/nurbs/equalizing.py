@@ -29,12 +29,12 @@ def equalized(degree: int, trial: Trial, target: float = TARGET) -> Breakpoints:
     """
     p, at, times = degree, trial.breakpoints.at, trial.breakpoints.times
     shares = np.maximum(trial.worst / target, SMALLEST_RATIO) ** (1 / (p + 1))
-    fixed = np.flatnonzero(times >= p)
+    fixed = (times >= p).nonzero()[0]
     fixed = np.concatenate(([0], fixed[(fixed > 0) & (fixed < len(at) - 1)], [len(at) - 1]))
     shares = _smoothed(shares, fixed)
     sums = np.concatenate(([0.0], shares.cumsum()))
     marks = sums[fixed]
-    needs = np.diff(marks)
+    needs = marks[1:] - marks[:-1]
     counts = np.maximum(np.ceil(needs), 1.0).astype(np.intp)
     ends = counts.cumsum()
     firsts = ends - counts

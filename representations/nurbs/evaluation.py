@@ -71,7 +71,7 @@ def settled_at_corners(values: Array, knots: Array, points: Array, degree: int, 
         corners = knots[1 : count + 1][full]
         if len(corners) <= FEW_CORNERS:
             for corner, row in zip(corners.tolist(), np.flatnonzero(full).tolist(), strict=True):
-                values[t == corner] = points[row]
+                values[np.flatnonzero(t == corner)] = points[row]
             return values
         k = np.minimum(corners.searchsorted(t), len(corners) - 1)
         hit = corners[k] == t

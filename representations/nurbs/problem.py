@@ -176,7 +176,7 @@ class Problem:
         )
         at = breakpoints.at
         firsts = rows.searchsorted(at)
-        corners = np.flatnonzero(breakpoints.times[1:-1] >= p)
+        corners = (breakpoints.times[1:-1] >= p).nonzero()[0]
         if len(corners):
             row_weights[firsts[1:-1][corners]] *= CORNER_WEIGHT
         if not course.uniform:

@@ -80,21 +80,21 @@ def searched(
 
 def passed(problem: Problem, begin: Breakpoints, tolerance: float) -> Trial:
     """Cut spans until no residual exceeds its allowance."""
-    breakpoints, attempt = begin, 0
+    trial, attempt = _tried(problem, begin, tolerance), 0
     most = MOST_SPANS * problem.degree * len(problem.course.t) + len(begin.at)
-    while attempt < ROUNDS + LAST_ROUNDS:
-        trial = _tried(problem, breakpoints, tolerance)
+    while True:
         failing = np.flatnonzero(trial.worst > 1.0)
         if not len(failing):
             return trial
         better = evened(problem, trial)
         if better is not None:
             return better
-        if len(breakpoints.at) > most:
+        if len(trial.worst) > most:
             attempt = max(attempt, ROUNDS)
-        breakpoints = _cut(problem, trial, failing, attempt)
+        if attempt == ROUNDS + LAST_ROUNDS:
+            raise _out_of_reach(problem, trial, float(trial.worst.max()), tolerance)
+        trial = _tried(problem, _cut(problem, trial, failing, attempt), tolerance)
         attempt += 1
-    raise _out_of_reach(problem, trial, float(trial.worst.max()), tolerance)
 
 
 def evened(problem: Problem, trial: Trial) -> Trial | None:
@@ -155,7 +155,8 @@ def fewer(problem: Problem, trial: Trial, forced: Array, tolerance: float) -> Tr
 def proved(problem: Problem, trial: Trial, tolerance: float) -> tuple[Trial, Array]:
     """Prove a trial that passed; where the proof fails, cut and prove again."""
     allowance = problem.course.allowance
-    for attempt in range(ROUNDS + LAST_ROUNDS):
+    attempt = 0
+    while True:
         proof = problem.proved(trial)
         chords = np.flatnonzero(proof > allowance)
         if len(chords):
@@ -166,13 +167,12 @@ def proved(problem: Problem, trial: Trial, tolerance: float) -> tuple[Trial, Arr
         failing = np.union1d(
             _spans_of(trial, problem.course.t, chords), np.flatnonzero(trial.worst > 1.0)
         )
-        breakpoints = _cut(problem, trial, failing, attempt)
-        if len(breakpoints.at) == len(trial.breakpoints.at) and bool(
-            (breakpoints.times == trial.breakpoints.times).all()
-        ):
-            break
-        trial = _tried(problem, breakpoints, tolerance)
-    raise _out_of_reach(problem, trial, float((proof / allowance).max()), tolerance)
+        before, after = trial.breakpoints, _cut(problem, trial, failing, attempt)
+        same = len(after.at) == len(before.at) and bool((after.times == before.times).all())
+        if same or attempt == ROUNDS + LAST_ROUNDS:
+            raise _out_of_reach(problem, trial, float((proof / allowance).max()), tolerance)
+        trial = _tried(problem, after, tolerance)
+        attempt += 1
 
 
 def _spans_of(trial: Trial, t: Array, chords: Indices) -> Indices:

@@ -119,7 +119,9 @@ def _beginning(
     distinct = inner
     full = np.empty(0)
     if len(inner) and bool((inner[1:] == inner[:-1]).any()):
-        distinct, times = np.unique(inner, return_counts=True)
+        firsts = np.concatenate(([True], inner[1:] > inner[:-1])).nonzero()[0]
+        distinct = inner[firsts]
+        times = np.concatenate((firsts[1:], [len(inner)])) - firsts
         full = distinct[times >= p] if p > 1 else full
     begin = Breakpoints(
         np.concatenate(([start], distinct, [stop])),
@@ -128,7 +130,8 @@ def _beginning(
     corners = course.t[1:-1][course.heights > CORNER_HEIGHT]
     if len(full):  # old corners stay corners where the course has a kink to speak of
         kinks = course.t[1:-1][course.heights > KINK_HEIGHT]
-        corners = np.union1d(corners, full[np.isin(full, kinks)])
+        if len(kinks):
+            corners = np.union1d(corners, full[np.isin(full, kinks)])
     if len(corners):
         begin = merged_breakpoints(begin, corners, [corners], p)
     return np.array(sorted(set(forced.tolist()))), begin

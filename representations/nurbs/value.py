@@ -67,7 +67,7 @@ class NurbsValue(Representation):
         domain: Interval,
         boxes: Boxes | None,
     ) -> None:
-        self.__dict__.update(
+        vars(self).update(
             degree=degree,
             domain=domain,
             dimension=points.shape[1],

@@ -41,7 +41,7 @@ def test_insertion_leaves_the_curve(curve: Nurbs, place: int, times: int) -> Non
     knots = np.asarray(edit.value.knots)
     # Changed are the control points that read more copies than there were.
     first, last = np.flatnonzero(knots == t)[[0, -1]].tolist()
-    low, high = knots[first + have - p], knots[last - have + p]
+    low, high = float(knots[first + have - p]), float(knots[last - have + p])
     assert edit.splices == SpliceList([(max(low, 0.0), min(high, 1.0))])
 
 

@@ -192,6 +192,7 @@ def test_nonsense_is_refused() -> None:
     sampled = curve.sample(Interval(0.4, 0.6), tolerance=1e-6)
     with pytest.raises(ToleranceError, match="rounding") as info:
         curve.splice(sampled, tolerance=1e-17)
+    assert info.value.reachable is not None
     assert info.value.reachable > 1e-17
 
 

@@ -64,8 +64,8 @@ def test_no_smaller_change_does_it(curve: Nurbs, t: float, seed: int) -> None:
     value = pulled(curve, t, hold_ends=False)
     assert value is not None
     change = np.asarray(value.points) - np.asarray(curve.points)
-    moved = change.any(axis=1)
-    other = change + np.random.default_rng(seed).normal(size=change.shape) * moved[:, None]
+    moved = change.any(axis=1, keepdims=True)
+    other = change + np.random.default_rng(seed).normal(size=change.shape) * moved
     unit = Nurbs(
         degree=curve.degree,
         knots=curve.knots,
