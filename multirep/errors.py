@@ -188,7 +188,7 @@ class HistoryError(MultirepError, IndexError):
 
 
 class MissingExtraError(MultirepError, ImportError):
-    """Something needs a package that an extra installs; ``package`` and ``extra`` are their names."""
+    """Something needs the ``package`` that the ``extra`` installs."""
 
     def __init__(self, what: str, package: str, extra: str) -> None:
         self.package, self.extra = package, extra

@@ -56,9 +56,9 @@ def test_gaping_seams_are_closed(factor: float) -> None:
     curve = mr.MultiRepresentation.from_points(wave(), tolerance=0.2, kinds=KINDS)
     nurbs = curve.view(Nurbs)
     k = nurbs.size // 2
-    curve.commit(Nurbs, nurbs.move_control_point(k, np.asarray(nurbs.points[k]) + [0.0, 0.3]))
+    curve.commit(Nurbs, nurbs.move_control_point(k, np.add(nurbs.points[k], (0.0, 0.3))))
     shadow = curve.view(Shadow)
-    curve.commit(Shadow, shadow.move_vertex(1, np.asarray(shadow.points[1]) + [0.0, 0.4]))
+    curve.commit(Shadow, shadow.move_vertex(1, np.add(shadow.points[1], (0.0, 0.4))))
     seams = [interval.start for interval, _ in curve.authors[1:]]
     assert max(gap(curve, t) for t in seams) > 0.05 * factor * 0.2
     curve.tolerance = factor * 0.2
@@ -73,7 +73,7 @@ def test_the_closing_author_moves_no_more_than_the_gap() -> None:
     curve = mr.MultiRepresentation.from_points(wave(), tolerance=0.2, kinds=KINDS)
     nurbs = curve.view(Nurbs)
     k = nurbs.size // 2
-    curve.commit(Nurbs, nurbs.move_control_point(k, np.asarray(nurbs.points[k]) + [0.0, 0.3]))
+    curve.commit(Nurbs, nurbs.move_control_point(k, np.add(nurbs.points[k], (0.0, 0.3))))
     authored = [interval for interval, name in curve.authors if name == "nurbs"]
     before = curve.view(Nurbs)
     curve.tolerance = 1e-3
