@@ -17,13 +17,16 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping
 
 import attrs
+import numpy as np
 
+from multirep.agreeing import APART, NEAR, agreeing_end, apart, fitted_closely
 from multirep.errors import EditError, FrozenError, PluginError
 from multirep.events import Event, Prepared
 from multirep.interval import Interval
 from multirep.representation import Representation
 from multirep.splices import SpliceList
 from multirep.state import Held, State
+from multirep.synchronization import hop
 
 #: How often a stretch may grow before every representation can hold it. Two kinds that cannot stop
 #: anywhere need two; more only delays the report of two that never agree.
@@ -91,7 +94,8 @@ def frozen_error(state: State, splices: SpliceList, who: str) -> FrozenError:
     listed = " and ".join(map(repr, names))
     overlap = splices & state.frozen
     return FrozenError(
-        f"{who} would change {overlap or splices}, which {listed} keeps frozen",
+        f"{who} would change {overlap or splices}, which {listed} "
+        f"{'keeps' if len(names) == 1 else 'keep'} frozen",
         constraints=names,
         residuals=dict.fromkeys(names, 0.0),
         where={name: state.claims[name] for name in names},
@@ -122,14 +126,11 @@ def _prepared(
 
     Only stretches that meet ``touched`` are looked at anew.
     """
-    values: dict[str, Representation] = {}
-    for kind, held in state.held.items():
-        assert held.value is not None, f"{kind} has no value to freeze"
-        values[kind] = held.value
     settled = SpliceList(
         part for part in state.frozen if not SpliceList([part]).intersects(touched)
     )
-    frozen = _grown(values, settled, claimed(claims.values()), keep)
+    state, frozen = _bordered(state, settled, claimed(claims.values()), keep, emit)
+    values = _values(state)
     added = {kind: dict(ends) for kind, ends in state.added.items()}
     for part in frozen:
         if settled.contains(part):
@@ -141,6 +142,53 @@ def _prepared(
                 counts[end] = counts.get(end, 0) + count
     kinds = {kind: Held(values[kind], held.stale) for kind, held in state.held.items()}
     return attrs.evolve(state, held=kinds, claims=claims, frozen=frozen, added=added)
+
+
+def _values(state: State) -> dict[str, Representation]:
+    values: dict[str, Representation] = {}
+    for kind, held in state.held.items():
+        assert held.value is not None, f"{kind} has no value to freeze"
+        values[kind] = held.value
+    return values
+
+
+def _bordered(
+    state: State,
+    settled: SpliceList,
+    asked: SpliceList,
+    keep: SpliceList,
+    emit: Callable[[Event], None],
+) -> tuple[State, SpliceList]:
+    """Find borders that every kind can hold and at which all agree; they may be fitted for that."""
+    domain, tried = state.authors.domain, set[float]()
+    for _ in range(MOST_GROWTHS):
+        values = _values(state)
+        frozen = _grown(values, settled, asked, keep)
+        moved = False
+        for part in frozen:
+            for end, outward in ((part.start, -1.0), (part.stop, 1.0)):
+                if settled.contains(part) or end in domain:
+                    continue
+                if apart(values, np.array([end]))[0] <= APART * hop(state.tolerance):
+                    continue
+                limit = _limit(state.frozen, domain, end, outward)
+                place = agreeing_end(values, state.tolerance, end, limit)
+                if place is None and end not in tried:
+                    tried.add(end)
+                    state, moved = fitted_closely(state, end, keep, emit), True
+                elif place is not None:
+                    asked, moved = asked | SpliceList([sorted((end, place))]), True
+        if not moved:
+            return state, frozen
+    return state, frozen
+
+
+def _limit(frozen: SpliceList, domain: Interval, end: float, outward: float) -> float:
+    """How far a border may move: to that of what was frozen before, or a little."""
+    for part in frozen:
+        if part.contains(end):
+            return part.start if outward < 0 else part.stop
+    return min(max(end + outward * NEAR * domain.length, domain.start), domain.stop)
 
 
 def _held(
