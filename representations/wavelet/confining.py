@@ -66,7 +66,7 @@ def confined_to(
     for stretch in where:
         fixed = frozen.contains(stretch.start), frozen.contains(stretch.stop)
         curve = confined(curve, after, stretch, apron, fixed)
-    if curve is before and (not where or _differ(before, after, where)):
+    if curve is before and (not where or any(_differ(before, after, *part) for part in where)):
         raise EditError(
             f"there is no room for a change on {where or 'an empty stretch'}: knots of a curve on "
             f"{before.domain} cannot be closer than 2**-{finest_level(before.domain)} of it, and "
@@ -75,8 +75,8 @@ def confined_to(
     return curve
 
 
-def _differ(one: Graded, two: Graded, where: SpliceList) -> bool:
-    t = np.concatenate([np.linspace(stretch.start, stretch.stop, 65) for stretch in where])
+def _differ(one: Graded, two: Graded, start: float, stop: float) -> bool:
+    t = np.linspace(start, stop, 65)
     return bool((one.evaluate(t) != two.evaluate(t)).any())
 
 
@@ -130,7 +130,8 @@ def confined(
         interval is used. Its weights are ``s**2 (3 - 2 s)`` in the distance s, at the mean of the
         three inner knots of each control point. An end where both curves are the same has none.
     fixed : pair of bool
-        Whether no knots may be added beside the start and the stop that touch what lies beyond.
+        Whether not a bit may change beyond the start and the stop: two guarding knots stand inside,
+        see :meth:`WaveletBSpline.held`.
 
     Returns
     -------
@@ -146,7 +147,7 @@ def confined(
     ends, or control points beyond would change.
     """
     width, aprons = _aprons(before, after, interval, apron)
-    curve = _with_room(before, interval, width, aprons, fixed)
+    curve = _with_room(before, after, interval, width, aprons, fixed)
     first, last = inside(curve, interval)
     if last - first < 1:
         return before
@@ -168,7 +169,8 @@ def confined(
     if p >= q:
         return before
     wanted = _points_on(after, common, (left, right))
-    weights = _weights(curve.u.window(p, q + 4), width, aprons)
+    unit = _unit(interval, curve.domain)
+    weights = _weights(curve.u.window(p, q + 4), unit, width, aprons)
     old = curve.points.window(p, q)
     rows = np.where(weights == 1.0, wanted, old + weights * (wanted - old))
     if (rows == old).all():
@@ -190,14 +192,14 @@ def _aprons(
     )
     inner = interval.start > domain.start, interval.stop < domain.stop
     left, right = (
-        within and _differ(before, after, SpliceList([zone]))
-        for within, zone in zip(inner, zones, strict=True)
+        within and _differ(before, after, *zone) for within, zone in zip(inner, zones, strict=True)
     )
     return width, (left, right)
 
 
 def _with_room(
     curve: Graded,
+    after: Graded,
     interval: Interval,
     width: float,
     aprons: tuple[bool, bool],
@@ -208,20 +210,31 @@ def _with_room(
     step = 2.0 ** math.floor(math.log2(width / _APRON_KNOTS))
     if step < 2.0 ** -finest_level(domain):
         return curve
-    start, stop = ((t - domain.start) / domain.length for t in interval)
+    start, stop = _unit(interval, domain)
     first, last = inside(curve, interval)
     added = np.empty(0)
     for left, low, high in ((True, start, start + width), (False, stop - width, stop)):
+        if not aprons[not left]:
+            continue
         knots = np.concatenate(([low], _strictly_inside(curve, low, high), [high]))
-        if not aprons[not left] or (knots[1:] - knots[:-1]).max() <= 2.0 * step:
+        # Those of `after` must not lie beside an end: only behind the second knot they find room.
+        outer = curve.u.window(first, first + 3) if left else curve.u.window(last - 2, last + 1)
+        needed = _strictly_inside(after, outer[0], np.nextafter(outer[-1], 2.0))
+        enough = (knots[1:] - knots[:-1]).max() <= 2.0 * step
+        if enough and np.isin(needed, outer).all():
             continue
         new = np.arange(math.ceil(low / step), math.floor(high / step) + 1) * step
         if fixed[not left]:
-            border = curve.u.window(first, last + 1)[2 if left else -3]
-            new = new[new > border] if left else new[new < border]
+            new = new[new > outer[-1]] if left else new[new < outer[0]]
         added = np.append(added, new)
     t = parameters(added, domain)
     return curve.refined(added[(t >= interval.start) & (t <= interval.stop)])
+
+
+def _unit(interval: Interval, domain: Interval) -> tuple[float, float]:
+    """Return the ends of an interval as parts of T."""
+    start, stop = ((t - domain.start) / domain.length for t in interval)
+    return start, stop
 
 
 def _strictly_inside(curve: Graded, low: float, high: float) -> Array:
@@ -254,11 +267,13 @@ def _points_on(curve: Graded, breaks: Array, inner: tuple[bool, bool]) -> Array:
     return points
 
 
-def _weights(knots: Array, width: float, aprons: tuple[bool, bool]) -> Array:
-    """Weights (m, 1) of the m control points on m + 4 knots."""
+def _weights(
+    knots: Array, ends: tuple[float, float], width: float, aprons: tuple[bool, bool]
+) -> Array:
+    """Weights (m, 1) of the m control points on m + 4 knots inside an interval."""
     places = (knots[1:-3] + knots[2:-2] + knots[3:-1]) / 3.0
     weights = np.ones(len(places))
-    for present, distance in zip(aprons, (places - knots[0], knots[-1] - places), strict=True):
+    for present, distance in zip(aprons, (places - ends[0], ends[1] - places), strict=True):
         if present:
             s = np.minimum(distance / width, 1.0)
             weights *= s * s * (3.0 - 2.0 * s)
