@@ -12,7 +12,7 @@ from typing import Literal
 
 import numpy as np
 
-from multirep.arrays import Array
+from multirep.arrays import Array, Flags
 from multirep.splines import evaluate, find_spans
 
 Side = Literal["left", "right"]
@@ -30,7 +30,7 @@ def homogeneous(points: Array, weights: Array) -> Array:
     return rows
 
 
-def polynomial_spans(weights: Array, degree: int) -> Array | None:
+def polynomial_spans(weights: Array, degree: int) -> Flags | None:
     """Which spans k = p .. n - 1 of a window depend on weights 1 only, (n - p,); None: no span.
 
     Costs O(n), a few passes.
@@ -40,7 +40,7 @@ def polynomial_spans(weights: Array, degree: int) -> Array | None:
     if count == len(weights):
         return None
     sums = np.concatenate(([0], differs.cumsum()))
-    plain: Array = sums[degree + 1 :] == sums[: len(sums) - degree - 1]
+    plain: Flags = sums[degree + 1 :] == sums[: len(sums) - degree - 1]
     return plain if bool(plain.any()) else None
 
 

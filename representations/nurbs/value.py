@@ -245,17 +245,18 @@ class NurbsValue(Representation):
         p = self.degree
         first = self.span(t)
         knots, points, weights = self._arrays(first, first)
-        if weights is not None:
-            rational: Array = self._evaluated(np.array([t]), knots, points, weights)[0]
-            return rational
         if t == knots[p] and t == knots[1]:
             return np.array(points[0])
         if t == knots[p + 1] and t == knots[2 * p]:
             return np.array(points[p])
         from scipy.interpolate import BSpline
 
-        found: Array = BSpline.construct_fast(knots, points, p)(np.array([t]))[0]
-        return found
+        if weights is None or all(w == 1.0 for w in weights.tolist()):
+            found: Array = BSpline.construct_fast(knots, points, p)(np.array([t]))[0]
+            return found
+        rows = homogeneous(points, weights)
+        found = BSpline.construct_fast(knots, rows, p)(np.array([t]))[0]
+        return np.asarray(found[:-1] / found[-1])
 
     def _evaluated(self, t: Array, knots: Array, points: Array, weights: Array | None) -> Array:
         values = window_points(knots, points, weights, self.degree, t)
