@@ -14,8 +14,8 @@ if TYPE_CHECKING:
     from multirep.splines.basis import basis_functions, find_spans
     from multirep.splines.corners import corner_parameters
     from multirep.splines.evaluation import evaluate
-    from multirep.splines.minimum_norm import LeastNorm, least_norm
     from multirep.splines.least_squares import polyline_rows, solve_window
+    from multirep.splines.minimum_norm import LeastNorm, least_norm
     from multirep.splines.polar import bernstein, blossom, refine
     from multirep.splines.sampling import sample_spline
 
