@@ -56,7 +56,7 @@ def solved(curve: Nurbs, named: Sequence[Named], scene: Scene) -> Edit[Nurbs]:
     ------
     ConflictError, FrozenError
     """
-    value, splices = _with_corners(curve, [c for _, c in named if c.breaks], scene.frozen)
+    value, splices = _with_corners(curve, named, scene.frozen)
     wanted = _merged(value, named)
     kept = [*_aimed(value, scene.aims, wanted), *_standing(value, wanted)]
     found = _attempted(value, [*wanted, *kept], scene.frozen)
@@ -75,16 +75,22 @@ def solved(curve: Nurbs, named: Sequence[Named], scene: Scene) -> Edit[Nurbs]:
 
 
 def _with_corners(
-    curve: Nurbs, breaking: Iterable[Condition], frozen: SpliceList
+    curve: Nurbs, named: Iterable[Named], frozen: SpliceList
 ) -> tuple[Nurbs, SpliceList]:
-    """Raise the knots at corners to full multiplicity, outside of what is frozen."""
-    domain, knots = curve.domain, curve.knots
-    missing: list[float] = []
-    for t in {condition.t for condition in breaking}:
-        if domain.start < t < domain.stop and not frozen.contains(t):
-            have = knots.searchsorted(t, "right") - knots.searchsorted(t)
-            missing += [t] * (curve.degree - have)
-    edit = curve.insert_knots(missing)
+    """Raise the knots at corners to full multiplicity; FrozenError where that is frozen."""
+    domain = curve.domain
+    missing: dict[float, int] = {}
+    for name, condition in named:
+        t = condition.t
+        if not condition.breaks or not domain.start < t < domain.stop or _is_corner(curve, t):
+            continue
+        if frozen.contains(t):
+            raise FrozenError(
+                f"{name!r} needs a corner at t = {t!r}: the curve is frozen on {frozen}",
+                constraints=(name,),
+            )
+        missing[t] = curve.degree - _multiplicity(curve, t)
+    edit = curve.insert_knots([t for t, count in missing.items() for _ in range(count)])
     return edit.value, edit.splices
 
 
@@ -125,8 +131,12 @@ def _place(condition: Condition) -> tuple[float, bool]:
 
 
 def _is_corner(curve: Nurbs, t: float) -> bool:
+    return _multiplicity(curve, t) >= curve.degree
+
+
+def _multiplicity(curve: Nurbs, t: float) -> int:
     knots = curve.knots
-    return int(knots.searchsorted(t, "right") - knots.searchsorted(t)) >= curve.degree
+    return int(knots.searchsorted(t, "right") - knots.searchsorted(t))
 
 
 def _aimed(curve: Nurbs, aims: Iterable[Aim], wanted: Sequence[Named]) -> list[Named]:

@@ -19,12 +19,13 @@ from multirep.errors import (
     PluginError,
     UnknownNameError,
 )
+from multirep.frozen_borders import clear_of_ice, follow_beside_ice
 from multirep.multirepresentation import MultiRepresentation
 from multirep.outcome import Outcome, measured_work
 from multirep.reparameterization import ParameterMap
 from multirep.representation import Representation
 from multirep.scene import Scene
-from multirep.settling import Settlement, clear_of_ice, guarded, region_of, settle
+from multirep.settling import Settlement, guarded, region_of, settle
 from multirep.splices import SpliceList
 from multirep.state import State
 from multirep.synchronization import check_edit
@@ -231,6 +232,7 @@ class Framework:
             )
             if settlement.rounds:
                 target.view(tool.edits)
+            follow_beside_ice(target, settlement.changed, by)
             self._rearrange(curve, tool)
         return settlement, faded
 

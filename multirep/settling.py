@@ -16,20 +16,24 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import attrs
 import numpy as np
 
-from multirep.aim import TURNED, Aim, misses, turns
-from multirep.blending import blended
+from multirep.aim import TURNED, misses, turns
 from multirep.conflicts import conflict, opposed, shortest_cycle
 from multirep.constraint import Constraint
 from multirep.edit import Edit
-from multirep.errors import ConflictError, FrozenError, MultirepError, PluginError
+from multirep.errors import (
+    ConflictError,
+    FrozenError,
+    MultirepError,
+    PluginError,
+)
 from multirep.events import Event, Fitted
-from multirep.freezing import frozen_error
+from multirep.frozen_borders import clear_of_ice
 from multirep.interval import Interval
 from multirep.multirepresentation import MultiRepresentation
 from multirep.representation import Representation
 from multirep.scene import Scene
 from multirep.splices import SpliceList
-from multirep.synchronization import check_edit, hop
+from multirep.synchronization import check_edit
 
 if TYPE_CHECKING:
     import networkx
@@ -44,8 +48,6 @@ ROUNDING = 2.0**-46
 MAX_ROUNDS = 32
 #: A constraint on a cycle may go on while what it is off by shrinks to this part in each lap.
 SHRINKS = 0.5
-#: Of a hop, how closely a faded edit is followed.
-FADE_SHARE = 0.5
 
 
 @attrs.frozen
@@ -337,34 +339,6 @@ class _Loop:
                 names = near or list(self.first)
                 residuals = {n: self.first[n] for n in names}
                 raise opposed(by, aim, missed, self.claims(names), residuals)
-
-
-def clear_of_ice(
-    curve: MultiRepresentation,
-    value: Representation,
-    edit: Edit[Representation],
-    who: str,
-    aims: Iterable[Aim] = (),
-) -> Edit[Representation]:
-    """Return the edit, faded out before the frozen stretches that it reaches into.
-
-    Raises
-    ------
-    FrozenError
-        When an aim lies in a frozen stretch or nothing is left of the edit.
-    """
-    if not edit.splices.intersects(curve.frozen):
-        return edit
-    aims = tuple(aims)
-    forbidden = [aim for aim in aims if curve.frozen.contains(aim.t)]
-    faded = None
-    if not forbidden:
-        tolerance = FADE_SHARE * hop(curve.tolerance)
-        faded = blended(value, edit, curve.frozen, tolerance=tolerance, aims=aims)
-    if faded is None:
-        place = f" at t = {forbidden[0].t:g}" if forbidden else ""
-        raise frozen_error(curve.snapshot(), edit.splices, f"{who}{place}")
-    return faded
 
 
 def region_of(name: str, constraint: Constraint[Any], value: Representation) -> Interval:
