@@ -110,16 +110,14 @@ def _dense(
     quality = float(pivots[worst])
     if quality < _DEPENDENT or count > most:
         return np.zeros_like(right), 0.0, _combined(triangle, pivots)
-    from scipy.linalg.lapack import dtrtrs
+    # Not dtrtrs: OpenBLAS starts threads for it, which takes milliseconds on a busy machine.
+    from scipy.linalg.lapack import dpotrs
 
-    factors = right
-    for transposed in (1, 0):
-        factors, _ = dtrtrs(triangle, factors, trans=transposed)
+    factors, _ = dpotrs(triangle, right)
     # The products lose what the condition costs; one correction brings it back.
     missed = right - matrix.T @ (matrix @ factors)
-    for transposed in (1, 0):
-        missed, _ = dtrtrs(triangle, missed, trans=transposed)
-    return factors + missed, quality, _combined(triangle, pivots)
+    correction, _ = dpotrs(triangle, missed)
+    return factors + correction, quality, _combined(triangle, pivots)
 
 
 def _combined(triangle: Array, pivots: Array) -> IntArray:
