@@ -57,6 +57,10 @@ def refined(
         corners.append(new[-1])
         for end in (failing, failing + 1):
             times[end] = np.maximum(times[end], p)
+        # Varying weights bend a chord between two corners; shorter spans bend it less.
+        bare = failing[inside == 0]
+        for share in (0.25, 0.5, 0.75):
+            new.append((1 - share) * at[bare] + share * at[bare + 1])
     else:
         peak = _peaks(trial, failing)
         # A vertex nearest to the peak, inside the span where there is one.

@@ -15,7 +15,7 @@ from multirep.representations.nurbs.refinement import merged_breakpoints, refine
 CORNER_HEIGHT = 10.0
 #: Rounds of cutting before the last resort, corners at all vertices of what still fails.
 ROUNDS = 20
-#: The last resort begins earlier when there are so many spans for each vertex and degree: cutting
+#: The last resort begins earlier when there are so many spans for each vertex and order: cutting
 #: does not help then.
 MOST_SPANS = 4
 LAST_ROUNDS = 4
@@ -81,7 +81,7 @@ def searched(
 def passed(problem: Problem, begin: Breakpoints, tolerance: float) -> Trial:
     """Cut spans until no residual exceeds its allowance."""
     trial, attempt = _tried(problem, begin, tolerance), 0
-    most = MOST_SPANS * problem.degree * len(problem.course.t) + len(begin.at)
+    most = MOST_SPANS * (problem.degree + 1) * len(problem.course.t) + len(begin.at)
     while True:
         failing = np.flatnonzero(trial.worst > 1.0)
         if not len(failing):
