@@ -135,7 +135,8 @@ def _smallest_rotations(one: Array, two: Array) -> Array:
 
 def _products(matrices: Array) -> Array:
     """Return M[0], M[1] M[0], M[2] M[1] M[0], ...: by doubling, log2 steps."""
-    products, reach = matrices.copy(), 1
+    products: Array = matrices.copy()
+    reach = 1
     while reach < len(products):
         products[reach:] = products[reach:] @ products[:-reach]
         reach *= 2
@@ -147,4 +148,5 @@ def _orthonormal(found: Array) -> Array:
     tangent, normal = found[:, :, 0], found[:, :, 1]
     normal = normal - np.einsum("md,md->m", tangent, normal)[:, None] * tangent
     normal /= np.linalg.norm(normal, axis=1)[:, None]
-    return np.stack((tangent, normal, np.cross(tangent, normal)), axis=2)
+    taken: Array = np.stack((tangent, normal, np.cross(tangent, normal)), axis=2)
+    return taken

@@ -245,7 +245,7 @@ def test_a_curve_that_turns_back_in_space():
 
 REFUSALS: dict[str, tuple[Callable[[], object], str]] = {
     "dimension": (lambda: detailed(bent(), bent(6, 3), (2,)), "2 coordinates.*3"),
-    "frame": (lambda: detailed(bent(), rough(), (2,), "tilted"), "tilted"),
+    "frame": (lambda: detailed(bent(), rough(), (2,), "tilted"), "tilted"),  # type: ignore[arg-type]
     "one coordinate": (lambda: detailed(bent(6, 1), rough(6, 1), (2,)), "1 coordinate:.*'axes'"),
     "straight in space": (
         lambda: detailed(WaveletBSpline(np.arange(21.0).reshape(7, 3)), rough(6, 3), (2,)),

@@ -165,7 +165,7 @@ def test_frozen_stretches_stay_and_the_rest_is_smooth(interval):
     session.constrain("curve", Freeze(interval=interval))
     curve = session.curve("curve")
     kinds = (Polyline, Nurbs, WaveletBSpline)
-    t = np.linspace(*interval, 200)
+    t = np.linspace(interval[0], interval[1], 200)
     before = [curve.view(kind)(t) for kind in kinds]
     session.apply("curve", Smooth(level=3))
     for kind, values in zip(kinds, before, strict=True):

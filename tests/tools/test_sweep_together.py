@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 import multirep as mr
 from multirep import SampledSplice
 from multirep.constraints import Freeze, PointConstraint
-from multirep.errors import EditError, EditRejectedError
+from multirep.errors import ConflictError, EditError, EditRejectedError
 from multirep.representations import Nurbs, Polyline, WaveletBSpline
 from multirep.representations.wavelet.filters import refine_uniform
 from multirep.representations.wavelet.targets import swept_together
@@ -170,6 +170,6 @@ def test_held_places_are_aims_too():
     editing = session()
     editing.constrain("curve", PointConstraint(t=0.8, point=tuple(curve()(0.8))))
     before = editing.curve("curve").snapshot()
-    with pytest.raises((EditRejectedError, mr.errors.ConflictError)):
+    with pytest.raises((EditRejectedError, ConflictError)):
         editing.apply("curve", tool)
     assert editing.curve("curve").snapshot() is before
