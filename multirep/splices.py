@@ -50,7 +50,8 @@ class SpliceList:
 
     def __init__(self, splices: Iterable[Interval | Sequence[float]] = ()) -> None:
         splices = list(splices)
-        if len(splices) == 1 and isinstance(only := splices[0], Interval):
+        if len(splices) == 1:
+            only = Interval.of(splices[0])
             one = only.start < only.stop
             object.__setattr__(self, "_starts", (only.start,) if one else ())
             object.__setattr__(self, "_stops", (only.stop,) if one else ())

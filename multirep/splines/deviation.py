@@ -93,7 +93,7 @@ def spline_chord_deviation(
     if rational or degree > 3:
         bounds = bernstein_deviation(stretch, pieces, low, high, 0)
     else:
-        ends = np.append(pieces.starts, t[-1])
+        ends = np.concatenate((pieces.starts, t[-1:]))
         there = stretch.at(ends)
         there[:-1] -= low
         there[-1] -= sampled_points[-1]
@@ -102,7 +102,7 @@ def spline_chord_deviation(
     if limits.ndim:
         limits = limits.take(chords)
     bounds = bounds + slack
-    above = np.flatnonzero(bounds > limits)
+    above = (bounds > limits).nonzero()[0]
     if len(above):
         sharper = bernstein_deviation(stretch, pieces, low, high, splits, above)
         sharper += slack.take(above) if isinstance(slack, np.ndarray) else slack

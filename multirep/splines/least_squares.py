@@ -122,7 +122,7 @@ def solve_window(
         weighted[:, None], wanted.T, out=products[matrix_rows:].reshape(size, dimension, rows)
     )
     # ... summed over the rows of each span, then added to where the span's functions stand.
-    starts = np.concatenate(([0], np.flatnonzero(spans[1:] != spans[:-1]) + 1))
+    starts = np.concatenate(([0], (spans[1:] != spans[:-1]).nonzero()[0] + 1))
     sums = np.add.reduceat(products, starts, axis=1)
     unknowns = len(coefficients)
     first = spans[starts] - degree
@@ -220,7 +220,7 @@ def polyline_rows(
         # A gap of a few units in the last place cannot be split: its fractions round together.
         rows = rows[np.concatenate(([True], rows[1:] > rows[:-1]))]
     targets = np.stack([np.interp(rows, t, column) for column in points.T], axis=1)
-    half = np.diff(rows) / 2
+    half = (rows[1:] - rows[:-1]) / 2
     weights = np.zeros(len(rows))
     weights[:-1] = half
     weights[1:] += half

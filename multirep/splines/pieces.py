@@ -89,8 +89,8 @@ def cut_stretch(
     last = int(knots.searchsorted(high, "left")) - 1
     window = knots[first - degree : last + degree + 2]
     inner = knots[first : last + 2]
-    spans = np.flatnonzero(inner[:-1] < inner[1:])
-    breaks = np.append(inner[spans], inner[-1])
+    spans = (inner[:-1] < inner[1:]).nonzero()[0]
+    breaks = np.concatenate((inner.take(spans), inner[-1:]))
     spans += degree
     return Stretch(window, coefficients[first - degree : last + 1], degree, rational, breaks, spans)
 

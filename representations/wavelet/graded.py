@@ -220,10 +220,11 @@ def differences(one: Graded, two: Graded) -> SpliceList:
         rows = equal.all(axis=1)
         for k in range(width):
             same &= rows[k : k + count]
-    changed = np.flatnonzero(~same)
+    changed = (~same).nonzero()[0]
     if not len(changed):
         return SpliceList.EMPTY
-    apart = np.flatnonzero(changed[1:] > changed[:-1] + 1)
-    starts, stops = changed[np.append(0, apart + 1)], changed[np.append(apart, len(changed) - 1)]
+    apart = (changed[1:] > changed[:-1] + 1).nonzero()[0]
+    starts = changed[np.concatenate(([0], apart + 1))]
+    stops = changed[np.concatenate((apart, [len(changed) - 1]))]
     knots = parameters(a[2:-2], one.domain)
     return SpliceList(zip(knots[starts].tolist(), knots[stops + 1].tolist(), strict=True))
