@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from multirep.aim import Aim
+from multirep.aim import Aim, misses
 from multirep.blending import blended
 from multirep.edit import Edit
 from multirep.errors import ToleranceError
@@ -30,12 +30,15 @@ def clear_of_ice(
     Raises
     ------
     FrozenError
-        When an aim lies in a frozen stretch or nothing is left of the edit.
+        When an aim that the curve does not meet already lies in a frozen stretch, or nothing is
+        left of the edit.
     """
     if not edit.splices.intersects(curve.frozen):
         return edit
     aims = tuple(aims)
-    forbidden = [aim for aim in aims if curve.frozen.contains(aim.t)]
+    forbidden = [
+        aim for aim in aims if curve.frozen.contains(aim.t) and not _holds_already(aim, value)
+    ]
     faded = None
     if not forbidden:
         tolerance = FADE_SHARE * hop(curve.tolerance)
@@ -44,6 +47,12 @@ def clear_of_ice(
         place = f" at t = {forbidden[0].t:g}" if forbidden else ""
         raise frozen_error(curve.snapshot(), edit.splices, f"{who}{place}")
     return faded
+
+
+def _holds_already(aim: Aim, value: Representation) -> bool:
+    """Whether an aim asks for nothing but the point where the curve is."""
+    only_a_point = aim.point is not None and not (aim.left or aim.right or aim.smooth)
+    return only_a_point and misses(aim, value) == 0.0
 
 
 def follow_beside_ice(curve: MultiRepresentation, changed: SpliceList, who: str) -> None:

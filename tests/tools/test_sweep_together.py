@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 import multirep as mr
 from multirep import SampledSplice
 from multirep.constraints import Freeze, PointConstraint
-from multirep.errors import ConflictError, EditError, EditRejectedError
+from multirep.errors import ConflictError, EditError, EditRejectedError, FrozenError
 from multirep.representations import Nurbs, Polyline, WaveletBSpline
 from multirep.representations.wavelet.filters import refine_uniform
 from multirep.representations.wavelet.targets import swept_together
@@ -157,10 +157,13 @@ def test_a_wide_sweep_beside_ice_is_faded_out():
     """Where the free control points of the level cannot do it, the kernel fades the edit out."""
     editing = session()
     editing.constrain("curve", Freeze(interval=(0.4, 0.6)))
-    outcome = editing.apply("curve", Sweep(t=0.25, to=(0.0, 1.0), level=1))
+    # What is held on the ice stays anyway.
+    outcome = editing.apply("curve", Sweep(t=0.25, to=(0.0, 1.0), level=1, hold=(0.5,)))
     assert outcome.faded
     found = editing.curve("curve").view(WaveletBSpline)(0.25)
     assert np.abs(found - [0, 1]).max() <= 1e-2
+    with pytest.raises(FrozenError, match=r"0\.5"):
+        editing.apply("curve", Sweep(t=0.25, to=(0.0, 1.0), level=1, targets=((0.5, 0, 0),)))
 
 
 def test_held_places_are_aims_too():
