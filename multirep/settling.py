@@ -127,6 +127,9 @@ class _Loop:
     first: dict[str, float] = attrs.field(factory=dict)
     last: dict[str, float] = attrs.field(factory=dict)
     thresholds: dict[str, float] = attrs.field(factory=dict)
+    #: What a constraint said of a value; values are immutable, so it is asked once for each.
+    regions: dict[str, tuple[Representation, Interval]] = attrs.field(factory=dict)
+    residuals: dict[str, tuple[Representation, float]] = attrs.field(factory=dict)
     _broke: networkx.DiGraph[str] | None = None
 
     def run(self) -> Settlement:
@@ -154,7 +157,10 @@ class _Loop:
         return value
 
     def region(self, name: str) -> Interval:
-        return region_of(name, self.constraints[name], self.value(name))
+        value = self.value(name)
+        if name not in self.regions or self.regions[name][0] is not value:
+            self.regions[name] = value, region_of(name, self.constraints[name], value)
+        return self.regions[name][1]
 
     def touched(self, name: str, changed: SpliceList) -> bool:
         region = self.region(name)
@@ -166,6 +172,8 @@ class _Loop:
 
     def residual(self, name: str) -> float:
         value = self.value(name)
+        if name in self.residuals and self.residuals[name][0] is value:
+            return self.residuals[name][1]
         residual = guarded(name, self.constraints[name].residual, value)
         try:
             number = float(residual)
@@ -177,6 +185,7 @@ class _Loop:
                 "it must be a number from 0 upwards",
                 name,
             )
+        self.residuals[name] = value, number
         return number
 
     def threshold(self, name: str) -> float:
@@ -270,8 +279,9 @@ class _Loop:
             raise conflict(
                 f"cannot be re-established: {error}", self.claims(broken), broken
             ) from error
-        check_edit(value, edit, label)
-        edit = clear_of_ice(self.curve, value, edit, f"re-establishing {label}")
+        if self.curve.frozen:
+            check_edit(value, edit, label)
+            edit = clear_of_ice(self.curve, value, edit, f"re-establishing {label}")
         self.curve.commit(first.needs, edit, by=f"constraint {label}")
         self.changed = self.changed | edit.splices
         return edit
