@@ -26,7 +26,7 @@ from multirep.representation import Representation
 from multirep.sampled import SampledSplice
 from multirep.splices import SpliceList
 from multirep.testing.elements import ElementsOf, default_elements
-from multirep.testing.looking import GRID, dense_parameters, even, seen_deviation
+from multirep.testing.looking import GRID, STORED, dense_parameters, even, seen_deviation
 
 if TYPE_CHECKING:
     from multirep.multirepresentation import MultiRepresentation
@@ -150,7 +150,8 @@ def check_edit(
     missed = [s for s in t[differs] if not changes.contains(float(s))]
     if missed:
         raise InvariantError(f"changes() misses a difference at t = {missed[0]!r}", edit)
-    check_data(after, elements=elements)
+    if after.size <= STORED:  # long ones are slow to write, and the suite writes one of them
+        check_data(after, elements=elements)
     return edit
 
 

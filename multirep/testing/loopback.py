@@ -119,20 +119,16 @@ class LoopbackRepresentation(Representation):
         return nicer if within.contains(nicer) else interval
 
     def changes(self, other: Self) -> SpliceList:
-        """From the first different vertex to the last, with the chords beside them."""
-        mine, theirs = (np.column_stack([v.t, v.points]).view(np.int64) for v in (self, other))
-        n = min(len(mine), len(theirs))
-        head = int(np.append((mine[:n] != theirs[:n]).any(axis=1), True).argmax())
-        if head == len(mine) == len(theirs):
-            return SpliceList.EMPTY
-        m = n - head
-        tail = int(
-            np.append(
-                (mine[len(mine) - m :] != theirs[len(theirs) - m :]).any(axis=1)[::-1], True
-            ).argmax()
-        )
-        stop = self.t[len(mine) - tail] if tail else self.t[-1]
-        return SpliceList([(float(self.t[max(head - 1, 0)]), float(stop))])
+        """Where a vertex of one is not a vertex of the other, with the chords beside it."""
+        rows = [
+            np.ascontiguousarray(np.column_stack([v.t, v.points])).view(f"V{8 * (v.dimension + 1)}")
+            for v in (self, other)
+        ]
+        shared = [np.isin(a[:, 0], b[:, 0]) for a, b in (rows, rows[::-1])]
+        common, odd = self.t[shared[0]], np.concatenate([self.t[~shared[0]], other.t[~shared[1]]])
+        marks = np.concatenate([self.t[:1], common, self.t[-1:]])
+        k = common.searchsorted(odd)
+        return SpliceList(zip(marks[k], marks[k + 1], strict=True))
 
     @property
     def size(self) -> int:

@@ -128,6 +128,19 @@ class ValueLaws(RepresentationBase):
         for changes in (representation.changes(value), value.changes(representation)):
             assert all(changes.contains(float(s)) for s in differs)
 
+    def test_changes_of_two_stretches_are_told_apart(self, representation: Representation) -> None:
+        """What lies between two changes is not reported, or no tool could edit in two places."""
+        if type(representation).changes is Representation.changes:
+            pytest.skip("compares samples")
+        size, (start, stop) = size_of(representation), representation.domain
+        value, reported = representation, SpliceList.EMPTY
+        for u in (0.12, 0.83):
+            interval = Interval(start + u * (stop - start), start + (u + 0.02) * (stop - start))
+            edit = value.splice(bumped(value, interval, 1e-3, 0.1 * size), tolerance=1e-3 * size)
+            value, reported = edit.value, reported | edit.splices
+        assert reported.contains(representation.changes(value))
+        assert reported.contains(value.changes(representation))
+
     def test_nearest_agrees_with_brute_force(self, representation: Representation) -> None:
         """No point of a dense grid is nearer than the place that is found."""
         rng, size = np.random.default_rng(3), size_of(representation)
