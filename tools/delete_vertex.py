@@ -6,6 +6,7 @@ import operator
 
 from attrs import field, frozen, validators
 
+from multirep.aim import Aim
 from multirep.edit import Edit
 from multirep.representations.polyline import Polyline
 from multirep.scene import Scene
@@ -33,6 +34,11 @@ class DeleteVertex(Tool[Polyline]):
 
     index: int = field(converter=operator.index, validator=validators.ge(0))
     """Which vertex, counted from 0."""
+
+    def aims(self, polyline: Polyline) -> tuple[Aim, ...]:
+        """Return where the vertex is: it is not deleted from a frozen border either."""
+        inside = 0 <= self.index < polyline.size
+        return (Aim(float(polyline.t[self.index])),) if inside else ()
 
     def edit(self, polyline: Polyline, scene: Scene) -> Edit[Polyline]:
         """Return the polyline without the vertex; EditError for an end of the curve."""

@@ -6,6 +6,7 @@ import operator
 
 from attrs import field, frozen, validators
 
+from multirep.aim import Aim
 from multirep.edit import Edit
 from multirep.fields import as_point, finite_point
 from multirep.representations.polyline import Polyline
@@ -39,6 +40,12 @@ class MoveVertex(Tool[Polyline]):
     """Which vertex, counted from 0."""
     to: tuple[float, ...] = field(converter=as_point, validator=finite_point)
     """Where to."""
+
+    def aims(self, polyline: Polyline) -> tuple[Aim, ...]:
+        """Return the vertex and its place, for constraints to heed or oppose."""
+        if not 0 <= self.index < polyline.size or len(self.to) != polyline.dimension:
+            return ()
+        return (Aim(float(polyline.t[self.index]), self.to),)
 
     def edit(self, polyline: Polyline, scene: Scene) -> Edit[Polyline]:
         """Return the polyline with the vertex moved; EditError when there is no such vertex."""

@@ -19,7 +19,14 @@ from multirep.errors import EditError, FrozenError, MultirepError
 from multirep.interval import Interval
 from multirep.representations import Nurbs, Polyline, WaveletBSpline
 from multirep.splices import SpliceList
-from multirep.tools import DirectManipulation, MoveControlPoint, MoveVertex, Spatula, Sweep
+from multirep.tools import (
+    DeleteVertex,
+    DirectManipulation,
+    MoveControlPoint,
+    MoveVertex,
+    Spatula,
+    Sweep,
+)
 
 KINDS: tuple[Any, ...] = (Polyline, Nurbs, WaveletBSpline)
 
@@ -347,6 +354,18 @@ def test_a_constraint_of_another_kind_is_not_taken_for_marks() -> None:
     made.constrain("c", Freeze(interval=(0.1, 0.2)), name="ice")
     with pytest.raises(MultirepError, match="another kind"):
         made.apply("c", MarkTool(left=0.3, label="ice"))
+
+
+def test_a_vertex_on_the_border_belongs_to_the_ice() -> None:
+    """It is neither moved nor deleted, though half of what that would change is free."""
+    made = session()
+    made.constrain("c", Freeze(interval=(0.3, 0.5)), name="ice")
+    curve = made.curve("c")
+    k = int(curve.view(Polyline).t.searchsorted(curve.frozen.hull.stop))
+    for tool in (MoveVertex(index=k, to=(0.0, 0.0)), DeleteVertex(index=k)):
+        with pytest.raises(FrozenError):
+            made.apply("c", tool)
+    made.apply("c", MoveVertex(index=k + 1, to=(3.0, 0.5)))
 
 
 def test_an_edit_by_hand_is_refused_as_well() -> None:
