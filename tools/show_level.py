@@ -61,6 +61,7 @@ class ShowLevel(Tool[WaveletBSpline]):
         UnknownNameError
             When there is no such curve.
         EditError
-            When it has another number of coordinates, or all of this curve is frozen.
+            When it has another number of coordinates, or there is no room for a change beside what
+            is frozen.
         """
         return shown(curve, scene.view(self.source, WaveletBSpline), self.level, scene.frozen)

@@ -61,7 +61,7 @@ class Smooth(Tool[WaveletBSpline]):
         ParameterError
             When the interval leaves T.
         EditError
-            When there is no room for a change in it, or all of it is frozen.
+            When there is no room for a change in it.
         """
         interval = None if self.interval is None else Interval.of(self.interval)
         return smoothed(curve, self.level, interval, scene.frozen)

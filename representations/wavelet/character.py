@@ -10,7 +10,7 @@ import numpy as np
 from multirep.arrays import Array
 from multirep.errors import EditError
 from multirep.representations.wavelet import details
-from multirep.representations.wavelet.confining import confined_to
+from multirep.representations.wavelet.confining import confined_to, free_of
 from multirep.representations.wavelet.filters import add_details, refine_uniform
 from multirep.representations.wavelet.frames import frames
 from multirep.representations.wavelet.graded import Graded
@@ -106,7 +106,7 @@ def detailed(
     after = _plus(before, high + 1, change)
     if after is before or not frozen:
         return curve._edit(after)
-    where = SpliceList([curve.domain]) - frozen
+    where = free_of(frozen, curve.domain)
     return curve._edit(confined_to(before, after, where, _APRON_SPANS * 2.0**-low, frozen))
 
 

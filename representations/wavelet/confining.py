@@ -19,12 +19,26 @@ from multirep.representations.wavelet.dyadic import finest_level, parameters
 from multirep.representations.wavelet.graded import Graded
 from multirep.splices import SpliceList
 
-__all__ = ["confined", "confined_to", "inside", "mixed"]
+__all__ = ["confined", "confined_to", "free_of", "inside", "mixed"]
 
 #: Knots that an apron needs, about: fewer make the transition sudden, more stay behind for nothing.
 _APRON_KNOTS = 4
+#: Curves closer than this part of the largest coordinate are the same, written otherwise.
+_ROUNDING = 32 * float(np.finfo(np.float64).eps)
+#: What cannot be changed for want of room is refused if it is more than this part of it.
+_SEEN = 1e-9
 #: An apron takes at most this part of the interval, so that something is left between two.
 LARGEST_APRON = 1 / 3
+
+
+def free_of(frozen: SpliceList, wanted: Interval) -> SpliceList:
+    """Return what of an interval is not frozen; all of it if nothing is.
+
+    Then the edit is made as if nothing were frozen, for the kernel to refuse it: it knows who froze
+    the stretch.
+    """
+    everything = SpliceList([wanted])
+    return everything - frozen or everything
 
 
 def confined_to(
@@ -40,7 +54,7 @@ def confined_to(
     ----------
     before, after : Graded
     where : SpliceList
-        Disjoint from ``frozen``.
+        Where to change; see :func:`free_of`.
     apron : float
     frozen : SpliceList
         Where not a bit may change.
@@ -66,18 +80,21 @@ def confined_to(
     for stretch in where:
         fixed = frozen.contains(stretch.start), frozen.contains(stretch.stop)
         curve = confined(curve, after, stretch, apron, fixed)
-    if curve is before and (not where or any(_differ(before, after, *part) for part in where)):
+    if curve is before and any(_differ(before, after, *part, _SEEN) for part in where):
         raise EditError(
-            f"there is no room for a change on {where or 'an empty stretch'}: knots of a curve on "
-            f"{before.domain} cannot be closer than 2**-{finest_level(before.domain)} of it, and "
-            "those beside a frozen stretch stay"
+            f"there is no room for a change on {where}: knots of a curve on {before.domain} cannot "
+            f"be closer than 2**-{finest_level(before.domain)} of it, and those beside a frozen "
+            "stretch stay"
         )
     return curve
 
 
-def _differ(one: Graded, two: Graded, start: float, stop: float) -> bool:
+def _differ(
+    one: Graded, two: Graded, start: float, stop: float, allowed: float = _ROUNDING
+) -> bool:
+    """Whether two curves differ by more than a part of their size, as far as 65 places show."""
     t = np.linspace(start, stop, 65)
-    return bool((one.evaluate(t) != two.evaluate(t)).any())
+    return bool(np.abs(one.evaluate(t) - two.evaluate(t)).max() > allowed * one.magnitude)
 
 
 def mixed(one: Graded, two: Graded, share: float) -> Graded:
@@ -173,7 +190,7 @@ def confined(
     weights = _weights(curve.u.window(p, q + 4), unit, width, aprons)
     old = curve.points.window(p, q)
     rows = np.where(weights == 1.0, wanted, old + weights * (wanted - old))
-    if (rows == old).all():
+    if np.abs(rows - old).max() <= _ROUNDING * before.magnitude:
         return before
     curve = curve.replaced((4, 4), np.empty(0), (p, q), rows)
     full = np.flatnonzero(weights[:, 0] == 1.0)
@@ -205,30 +222,34 @@ def _with_room(
     aprons: tuple[bool, bool],
     fixed: tuple[bool, bool],
 ) -> Graded:
-    """Add knots on the aprons where there are too few to go over smoothly."""
+    """Add knots where there are too few: on aprons, and for what is new beside other ends.
+
+    The outermost two knots inside the interval stay behind what is new, see :func:`confined`; so
+    knots of ``after`` among them have to be inserted first.
+    """
     domain = curve.domain
     step = 2.0 ** math.floor(math.log2(width / _APRON_KNOTS))
-    if step < 2.0 ** -finest_level(domain):
-        return curve
     start, stop = _unit(interval, domain)
     first, last = inside(curve, interval)
     added = np.empty(0)
     for left, low, high in ((True, start, start + width), (False, stop - width, stop)):
-        if not aprons[not left]:
-            continue
-        knots = np.concatenate(([low], _strictly_inside(curve, low, high), [high]))
-        # Those of `after` must not lie beside an end: only behind the second knot they find room.
         outer = curve.u.window(first, first + 3) if left else curve.u.window(last - 2, last + 1)
-        needed = _strictly_inside(after, outer[0], np.nextafter(outer[-1], 2.0))
-        enough = (knots[1:] - knots[:-1]).max() <= 2.0 * step
-        if enough and np.isin(needed, outer).all():
-            continue
-        new = np.arange(math.ceil(low / step), math.floor(high / step) + 1) * step
+        near, far = (low, min(outer[-1], stop)) if left else (max(outer[0], start), high)
+        new = _strictly_inside(after, np.nextafter(near, -1.0), np.nextafter(far, 2.0))
+        if aprons[not left]:
+            knots = np.concatenate(([low], _strictly_inside(curve, low, high), [high]))
+            enough = (knots[1:] - knots[:-1]).max() <= 2.0 * step
+            if enough and np.isin(new, outer).all():
+                continue
+            new = np.arange(math.ceil(low / step), math.floor(high / step) + 1) * step
         if fixed[not left]:
             new = new[new > outer[-1]] if left else new[new < outer[0]]
         added = np.append(added, new)
+    added = np.unique(added[(added > 0.0) & (added < 1.0)])
     t = parameters(added, domain)
-    return curve.refined(added[(t >= interval.start) & (t <= interval.stop)])
+    added = added[(t >= interval.start) & (t <= interval.stop)]
+    closest = min(np.diff(added).min(initial=1.0), step)
+    return curve if closest < 2.0 ** -finest_level(domain) else curve.refined(added)
 
 
 def _unit(interval: Interval, domain: Interval) -> tuple[float, float]:

@@ -80,6 +80,8 @@ def at_level(curve: Graded, level: float, near: tuple[float, float] = (0.0, 1.0)
     coarse, share = int(level), level % 1.0
     part = _cut(curve, *_around(near, coarse))
     found = _projected(part, coarse)
+    if found is part:  # nothing is finer there
+        return curve
     if share:
         found = _mixed(found, _projected(part, coarse + 1), share)
     return Graded.of(curve.domain, found.u, found.points)

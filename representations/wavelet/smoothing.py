@@ -8,7 +8,7 @@ import attrs
 
 from multirep.errors import EditError
 from multirep.interval import Interval
-from multirep.representations.wavelet.confining import confined_to, inside, mixed
+from multirep.representations.wavelet.confining import confined_to, free_of, inside, mixed
 from multirep.representations.wavelet.dyadic import finest_level
 from multirep.representations.wavelet.levels import at_level
 from multirep.splices import SpliceList
@@ -76,7 +76,7 @@ def smoothed(
     curve.parameters([wanted.start, wanted.stop])
     if not level >= 0:
         raise EditError(f"levels begin at 0, the base curve; got {level:g}")
-    where = SpliceList([wanted]) - frozen
+    where = free_of(frozen, wanted)
     near = (0.0, 1.0)
     if where and where.hull != domain:
         near = _hull(curve, where.hull)
@@ -142,5 +142,5 @@ def shown(
             f"the curve to be shown is of level {after.level}, but knots on {curve.domain} cannot "
             f"be closer than those of level {finest_level(curve.domain)}"
         )
-    where = SpliceList([curve.domain]) - frozen
+    where = free_of(frozen, curve.domain)
     return curve._edit(confined_to(curve._graded, after, where, 1.0, frozen))

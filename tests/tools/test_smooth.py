@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 import multirep as mr
 from multirep import Interval, SampledSplice
 from multirep.constraints import Freeze
-from multirep.errors import EditError, EditRejectedError, ParameterError
+from multirep.errors import EditError, FrozenError, ParameterError
 from multirep.representations import Nurbs, Polyline, WaveletBSpline
 from multirep.representations.wavelet.smoothing import APRON_SPANS
 from multirep.scene import Scene
@@ -175,13 +175,15 @@ def test_frozen_stretches_stay_and_the_rest_is_smooth(interval):
     check_certificate(curve)
 
 
-def test_all_of_it_frozen_is_refused():
-    """There is nothing to smooth then, and the message says so."""
+@pytest.mark.parametrize("frozen", [(0, 1), (0.25, 0.75)])
+def test_all_of_it_frozen_is_refused_by_name(frozen):
+    """The error says what froze it, and what to release."""
     session = mr.Session()
     session.add("curve", mr.MultiRepresentation(rough(6), tolerance=0.01))
-    session.constrain("curve", Freeze(interval=(0, 1)))
-    with pytest.raises(EditRejectedError, match="no room"):
-        session.apply("curve", Smooth(level=3))
+    session.constrain("curve", Freeze(interval=frozen), name="ice")
+    with pytest.raises(FrozenError, match="'ice'") as caught:
+        session.apply("curve", Smooth(level=3, interval=(0.4, 0.6)))
+    assert caught.value.release == ("ice",)
 
 
 @pytest.mark.parametrize(
