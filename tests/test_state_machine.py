@@ -463,7 +463,7 @@ def test_a_session_with_frozen_stretches_keeps_its_promises() -> None:
 def test_long_sessions_with_frozen_stretches_keep_their_promises() -> None:
     """The same with more and longer sessions."""
     run_state_machine_as_test(
-        FreezingMachine, settings=settings(max_examples=100, stateful_step_count=30)
+        FreezingMachine, settings=settings(max_examples=15, stateful_step_count=30)
     )
 
 
@@ -471,7 +471,7 @@ def test_long_sessions_with_frozen_stretches_keep_their_promises() -> None:
 def test_long_sessions_keep_their_promises() -> None:
     """The same with more and longer sessions."""
     run_state_machine_as_test(
-        SessionMachine, settings=settings(max_examples=200, stateful_step_count=30)
+        SessionMachine, settings=settings(max_examples=40, stateful_step_count=30)
     )
 
 
