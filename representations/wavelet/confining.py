@@ -78,9 +78,15 @@ def confined_to(
         return after
     curve = before
     for stretch in where:
-        fixed = frozen.contains(stretch.start), frozen.contains(stretch.stop)
+        beside = not frozen.contains(stretch)
+        fixed = (
+            beside and frozen.contains(stretch.start),
+            beside and frozen.contains(stretch.stop),
+        )
         curve = confined(curve, after, stretch, apron, fixed)
-    if curve is before and any(_differ(before, after, *part, _SEEN) for part in where):
+    if curve is before and any(
+        _differ(before, after, part.start, part.stop, _SEEN) for part in where
+    ):
         raise EditError(
             f"there is no room for a change on {where}: knots of a curve on {before.domain} cannot "
             f"be closer than 2**-{finest_level(before.domain)} of it, and those beside a frozen "
@@ -231,7 +237,7 @@ def _with_room(
     step = 2.0 ** math.floor(math.log2(width / _APRON_KNOTS))
     start, stop = _unit(interval, domain)
     first, last = inside(curve, interval)
-    added = np.empty(0)
+    found = []
     for left, low, high in ((True, start, start + width), (False, stop - width, stop)):
         outer = curve.u.window(first, first + 3) if left else curve.u.window(last - 2, last + 1)
         near, far = (low, min(outer[-1], stop)) if left else (max(outer[0], start), high)
@@ -241,11 +247,13 @@ def _with_room(
             enough = (knots[1:] - knots[:-1]).max() <= 2.0 * step
             if enough and np.isin(new, outer).all():
                 continue
-            new = np.arange(math.ceil(low / step), math.floor(high / step) + 1) * step
+            multiples = range(math.ceil(low / step), math.floor(high / step) + 1)
+            new = np.array(multiples, dtype=np.float64) * step
         if fixed[not left]:
             new = new[new > outer[-1]] if left else new[new < outer[0]]
-        added = np.append(added, new)
-    added = np.unique(added[(added > 0.0) & (added < 1.0)])
+        found.append(new)
+    added: Array = np.unique(np.concatenate([np.empty(0), *found]))
+    added = added[(added > 0.0) & (added < 1.0)]
     t = parameters(added, domain)
     added = added[(t >= interval.start) & (t <= interval.stop)]
     closest = min(np.diff(added).min(initial=1.0), step)
