@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from itertools import pairwise
 
 import numpy as np
@@ -17,7 +16,7 @@ from multirep.splices import SpliceList
 SPACING = 1 / 16
 
 
-def painted(curve: Polyline, stroke: Sequence[ArrayLike], radius: float) -> SpliceList:
+def painted(curve: Polyline, stroke: ArrayLike, radius: float) -> SpliceList:
     """Return where a polyline is within ``radius`` of a stroke.
 
     Parameters

@@ -215,6 +215,7 @@ def _met(
     if gentle:
         allowed &= ~_better_left(curve, system, conditions, frozen)
     moving = broken
+    culprits: list[Named] = []
     for _ in range(RINGS):
         movable = np.zeros(len(system.points), dtype=bool)
         movable[columns[moving][acting[moving]]] = True
@@ -222,10 +223,11 @@ def _met(
         found = _solve(system, concerned, movable & allowed)
         if found.quality >= enough:
             return _moved(curve, system, found, conditions, concerned, movable & allowed)
+        culprits = [named[k] for k in np.flatnonzero(concerned)[found.culprits].tolist()]
         if (concerned == moving).all():
             break
         moving = concerned
-    return [named[k] for k in np.flatnonzero(concerned)[found.culprits].tolist()]
+    return culprits
 
 
 def _moved(

@@ -10,6 +10,7 @@ are fitted more closely there.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from itertools import combinations
 
 import attrs
 import numpy as np
@@ -39,10 +40,11 @@ CANDIDATES = 32
 
 def apart(values: Mapping[str, Representation], t: Array) -> Array:
     """How far any two of the representations are from each other at parameters (m,), (m,)."""
-    rows = np.stack([value(t) for value in values.values()])
-    # twice the largest distance from one of them bounds any other; exact for two
-    from_first: Array = np.linalg.norm(rows - rows[0], axis=2)
-    return np.asarray(from_first.max(axis=0) + np.partition(from_first, -2, axis=0)[-2])
+    rows = [value(t) for value in values.values()]
+    worst: Array = np.zeros(len(t))
+    for one, other in combinations(rows, 2):
+        worst = np.maximum(worst, np.linalg.norm(one - other, axis=1))
+    return worst
 
 
 def fitted_closely(
@@ -76,7 +78,7 @@ def fitted_closely(
 
 
 def agreeing_end(
-    values: Mapping[str, Representation], tolerance: float, end: float, limit: float
+    values: Mapping[str, Representation], end: float, limit: float, *, tolerance: float
 ) -> float | None:
     """Return the first place from ``end`` to ``limit``, out of 33, at which all agree; or None."""
     candidates = np.linspace(end, limit, CANDIDATES + 1)

@@ -31,6 +31,8 @@ from multirep.synchronization import hop
 #: How often a stretch may grow before every representation can hold it. Two kinds that cannot stop
 #: anywhere need two; more only delays the report of two that never agree.
 MOST_GROWTHS = 16
+#: Of more stretches than this a message gives the hull only.
+MOST_SHOWN = 3
 
 
 def with_claim(state: State, name: str, asked: SpliceList, emit: Callable[[Event], None]) -> State:
@@ -92,9 +94,10 @@ def frozen_error(state: State, splices: SpliceList, who: str) -> FrozenError:
     """Return the error that says which freezes stand in the way of a change of ``splices``."""
     names = blamed(state, splices)
     listed = " and ".join(map(repr, names))
-    overlap = splices & state.frozen
+    overlap = (splices & state.frozen) or splices
+    shown = overlap if len(overlap) <= MOST_SHOWN else SpliceList([overlap.hull])
     return FrozenError(
-        f"{who} would change {overlap or splices}, which {listed} "
+        f"{who} would change {shown}, which {listed} "
         f"{'keeps' if len(names) == 1 else 'keep'} frozen",
         constraints=names,
         residuals=dict.fromkeys(names, 0.0),
@@ -161,6 +164,7 @@ def _bordered(
 ) -> tuple[State, SpliceList]:
     """Find borders that every kind can hold and at which all agree; they may be fitted for that."""
     domain, tried = state.authors.domain, set[float]()
+    frozen = settled
     for _ in range(MOST_GROWTHS):
         values = _values(state)
         frozen = _grown(values, settled, asked, keep)
@@ -172,7 +176,7 @@ def _bordered(
                 if apart(values, np.array([end]))[0] <= APART * hop(state.tolerance):
                     continue
                 limit = _limit(state.frozen, domain, end, outward)
-                place = agreeing_end(values, state.tolerance, end, limit)
+                place = agreeing_end(values, end, limit, tolerance=state.tolerance)
                 if place is None and end not in tried:
                     tried.add(end)
                     state, moved = fitted_closely(state, end, keep, emit), True

@@ -94,7 +94,7 @@ class Mark(Tool[Polyline]):
             When there are no marks to remove, or they would be in the wrong order or outside T.
         """
         kind: Any = Registry.discover().constraints["mark"]
-        present = held.get(self.label)
+        present: Any = held.get(self.label)
         if present is not None and not isinstance(present, kind):
             raise EditError(f"{self.label!r} names a constraint of another kind: {present!r}")
         if self.remove:

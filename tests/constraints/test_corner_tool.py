@@ -103,8 +103,8 @@ def test_a_removed_corner_is_smooth_again(degree: int, rational: bool) -> None:
     smooth = edited(corner, Corner(t=0.5, remove=True))
     assert multiplicity(smooth, 0.5) < degree
     assert smooth.sample(smooth.domain, tolerance=1e-3).breaks == ()
-    slopes = [smooth.derivative(0.5, side=side) for side in ("left", "right")]
-    np.testing.assert_allclose(*slopes, atol=1e-9)
+    left, right = (smooth.derivative(0.5, side=side) for side in ("left", "right"))
+    np.testing.assert_allclose(left, right, atol=1e-9)
     outside = np.r_[np.linspace(0, 0.5 - 1 / 32, 200), np.linspace(0.5 + 1 / 32, 1, 200)]
     np.testing.assert_allclose(smooth(outside), corner(outside), atol=1e-13)
     inside = np.linspace(0.5 - 1 / 32, 0.5 + 1 / 32, 200)

@@ -54,7 +54,7 @@ UNEVEN = st.floats(0, 1)
 
 
 def bits(value: Any, stretch: Interval) -> bytes:
-    t = np.linspace(*stretch, 101)
+    t = np.linspace(stretch.start, stretch.stop, 101)
     return bytes(value(t).tobytes())
 
 

@@ -329,7 +329,7 @@ def test_constraints_hold_through_edits_in_every_representation(
         nurbs = curve.view(Nurbs)
         assert residuals(nurbs, pin, ear) <= 1e-9 * size(nurbs)
         slope = nurbs.derivative(0.6, side="left")
-        assert np.linalg.norm(slope - ear.left) <= 1e-9 * size(nurbs) * (1 + offset)
+        assert np.linalg.norm(slope - np.array(ear.left)) <= 1e-9 * size(nurbs) * (1 + offset)
         for kind in (Polyline, WaveletBSpline):
             value = curve.view(kind)
             for constraint in (pin, ear):

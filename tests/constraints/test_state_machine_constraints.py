@@ -54,7 +54,7 @@ REFUSALS = (EditRejectedError, ToleranceError, ConflictError, EditError)
 
 
 def extent(value: Any) -> float:
-    t = np.linspace(*value.domain, 65)
+    t = np.linspace(value.domain.start, value.domain.stop, 65)
     return float(np.ptp(value(t), axis=0).max())
 
 
@@ -203,7 +203,8 @@ class ConstrainedMachine(SessionMachine):
                 assert item.value is not None
                 assert not item.stale.intersects(claim)
                 bits[kind] = b"".join(
-                    item.value(np.linspace(*stretch, 65)).tobytes() for stretch in stretches
+                    item.value(np.linspace(stretch.start, stretch.stop, 65)).tobytes()
+                    for stretch in stretches
                 )
             if name in self.ice:
                 assert self.ice[name] == (stretches, bits), name
