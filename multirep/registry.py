@@ -93,11 +93,10 @@ class Registry:
     >>> registry = Registry.of(Polyline, MoveVertex)
     >>> list(registry.representations), list(registry.tools)
     (['polyline'], ['move-vertex'])
-    >>> registry.tools["move-vertx"]
+    >>> registry.tools["move-vertx"]  # doctest: +ELLIPSIS
     Traceback (most recent call last):
         ...
-    multirep.errors.UnknownNameError: no tool named 'move-vertx'; did you mean 'move-vertex'? known:
-    'move-vertex'
+    multirep.errors.UnknownNameError: no tool named 'move-vertx'; did you mean 'move-vertex'? ...
     """
 
     def __init__(self) -> None:

@@ -97,8 +97,8 @@ def test_a_new_edit_drops_what_could_be_redone(tmp_path: Path) -> None:
 def test_constraints_answer_and_are_reported(tmp_path: Path) -> None:
     """A step says which constraints it touched, and how far each is from holding."""
     pin = 'curve = "a"\nconstrain = "pin"\nname = "foot"\nindex = 2\nto = [2, 0.5]'
-    result = do(tmp_path, pin, move("a", 2, 9), 'curve = "a"\nrelease = "foot"', move("a", 2, 8))
-    assert heights(result, "a") == [0, 2, 8, 1]
+    result = do(tmp_path, pin, move("a", 1, 3), 'curve = "a"\nrelease = "foot"', move("a", 2, 8))
+    assert heights(result, "a") == [0, 3, 8, 1]
     held, moved, released, free = report(result)["steps"]
     assert held["what"] == "constrain pin"
     assert len(held["changed"]) == 1, "the vertex was pulled to its pin"
