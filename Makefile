@@ -19,7 +19,7 @@ demo: $(VENV)/demo.stamp
 	@echo "The picture is $(CURDIR)/cat-out/cat.svg - open it in a browser."
 
 test: lint
-	$(BIN)/python -m pytest -q --slow
+	$(BIN)/python -m pytest -q --slow -n auto --dist loadfile
 
 lint: $(VENV)/test.stamp
 	$(BIN)/ruff check .
