@@ -13,11 +13,11 @@ from time import perf_counter_ns
 import numpy as np
 
 from multirep.arrays import Array
-from multirep.errors import MultirepError, PluginError
 from multirep.events import Event, Sampled
 from multirep.interval import Interval
 from multirep.representation import Representation
 from multirep.sampled import SampledSplice
+from multirep.samples import Sampler, sample_author
 from multirep.state import State
 
 #: Chords beside a fixed end are certified to this part of the sampling tolerance: at such an end
@@ -33,6 +33,7 @@ def compose(
     tolerance: float,
     fixed: tuple[Representation | None, Representation | None] = (None, None),
     emit: Callable[[Event], None] | None = None,
+    sample: Sampler = sample_author,
 ) -> SampledSplice:
     """Sample the authors of ``interval``, each within ``tolerance``, and join the pieces.
 
@@ -47,6 +48,8 @@ def compose(
         shortened there.
     emit : callable, optional
         Receives a :class:`~multirep.events.Sampled` per piece.
+    sample : Sampler
+        May remember what it sampled before.
 
     Returns
     -------
@@ -57,11 +60,11 @@ def compose(
     for stretch, name in state.authors.segments(interval):
         begin = perf_counter_ns()
         author = state.author_value(name)
-        piece = _sampled(author, stretch, tolerance)
+        piece = sample(author, stretch, tolerance=tolerance)
         if fixed[0] is not None and stretch.start == interval.start:
-            piece = _short_end(author, piece, tolerance, fixed[0], first=True)
+            piece = _short_end(author, piece, tolerance, fixed[0], sample, first=True)
         if fixed[1] is not None and stretch.stop == interval.stop:
-            piece = _short_end(author, piece, tolerance, fixed[1], first=False)
+            piece = _short_end(author, piece, tolerance, fixed[1], sample, first=False)
         pieces.append(piece)
         if emit is not None:
             elapsed = (perf_counter_ns() - begin) / 1000
@@ -104,32 +107,12 @@ def chord_bounds(sampled: SampledSplice) -> Array:
     return np.full(len(sampled.t) - 1, sampled.bound)
 
 
-def _sampled(author: Representation, stretch: Interval, tolerance: float) -> SampledSplice:
-    """Sample an author; PluginError when what comes back is not what was asked for."""
-    try:
-        piece = author.sample(stretch, tolerance=tolerance)
-    except MultirepError:
-        raise
-    except Exception as error:
-        raise PluginError(
-            f"{author.name!r}.sample failed with {type(error).__name__}: {error}", author.name
-        ) from error
-    if not isinstance(piece, SampledSplice) or piece.interval != stretch:
-        found = piece.interval if isinstance(piece, SampledSplice) else f"a {type(piece).__name__}"
-        raise PluginError(f"{author.name!r}.sample({stretch}) returned {found}", author.name)
-    if not piece.bound <= tolerance:
-        raise PluginError(
-            f"{author.name!r}.sample certified {piece.bound:g} where {tolerance:g} was asked for",
-            author.name,
-        )
-    return piece
-
-
 def _short_end(
     author: Representation,
     piece: SampledSplice,
     tolerance: float,
     outside: Representation,
+    sample: Sampler,
     *,
     first: bool,
 ) -> SampledSplice:
@@ -140,7 +123,7 @@ def _short_end(
     if bounds[end] <= SHORT_FIRST_CHORDS * tolerance or gap <= tolerance:
         return piece
     chord = Interval(*(piece.t[:2] if first else piece.t[-2:]).tolist())
-    fine = _sampled(author, chord, SHORT_FIRST_CHORDS * tolerance)
+    fine = sample(author, chord, tolerance=SHORT_FIRST_CHORDS * tolerance)
     if len(piece.t) == 2:
         return fine
     rest = SampledSplice(

@@ -12,7 +12,10 @@ from multirep.splices import SpliceList
 
 @attrs.frozen
 class Sampled:
-    """An author was sampled on an interval so that another representation can follow it."""
+    """An author was sampled on an interval so that another representation can follow it.
+
+    Or its samples were at hand, because another representation followed the same stretch just now.
+    """
 
     author: str
     interval: Interval

@@ -12,25 +12,17 @@ from multirep.arrays import ArrayLike
 from multirep.authors import AuthorMap
 from multirep.deviation import Deviation, deviation
 from multirep.edit import Edit
-from multirep.errors import (
-    RegistrationError,
-    StaleEditError,
-    UnknownNameError,
-)
+from multirep.errors import RegistrationError, StaleEditError, UnknownNameError
 from multirep.events import Committed, Event, Skipped
 from multirep.freezing import check_still, frozen_error, with_claim, without_claim
 from multirep.interval import Interval
 from multirep.registry import Registry
 from multirep.reparameterization import ParameterMap, with_parameters
 from multirep.representation import Representation
+from multirep.samples import RecentSamples
 from multirep.splices import SpliceList
 from multirep.state import Held, State
-from multirep.synchronization import (
-    bring_up_to_date,
-    check_edit,
-    check_tolerance,
-    evolve_stale,
-)
+from multirep.synchronization import bring_up_to_date, check_edit, check_tolerance, evolve_stale
 from multirep.tightening import with_tolerance
 
 R = TypeVar("R", bound=Representation)
@@ -93,6 +85,7 @@ class MultiRepresentation:
         held[curve.name] = Held(curve, SpliceList.EMPTY)
         self._state = State(float(tolerance), held, AuthorMap.of(curve.domain, curve.name))
         self._listeners: tuple[Callable[[Event], None], ...] = ()
+        self._sample = RecentSamples()
         self.merged = 0
 
     @classmethod
@@ -189,7 +182,9 @@ class MultiRepresentation:
         if held.value is not None and not held.stale.intersects(region):
             self._emit(Skipped(name, "up to date"))
             return held.value
-        self._state = bring_up_to_date(self._state, self._kinds[name], region, self._emit)
+        self._state = bring_up_to_date(
+            self._state, self._kinds[name], region, self._emit, self._sample
+        )
         value = self._state.held[name].value
         assert value is not None
         return value

@@ -29,6 +29,7 @@ from multirep.events import Event, Fitted
 from multirep.interval import Interval
 from multirep.representation import Representation
 from multirep.sampled import SampledSplice
+from multirep.samples import Sampler, sample_author
 from multirep.splices import SpliceList
 from multirep.state import Held, State
 
@@ -54,7 +55,11 @@ def hop(tolerance: float) -> float:
 
 
 def bring_up_to_date(
-    state: State, kind: type[Representation], where: SpliceList, emit: Callable[[Event], None]
+    state: State,
+    kind: type[Representation],
+    where: SpliceList,
+    emit: Callable[[Event], None],
+    sample: Sampler = sample_author,
 ) -> State:
     """Return the state in which ``kind`` follows the authors on ``where``.
 
@@ -70,9 +75,11 @@ def bring_up_to_date(
     held = state.held[kind.name]
     try:
         if held.value is None:
-            return state.with_held(kind.name, Held(_first_fit(state, kind, emit), SpliceList.EMPTY))
+            return state.with_held(
+                kind.name, Held(_first_fit(state, kind, emit, sample), SpliceList.EMPTY)
+            )
         for stale in _jobs(state, kind.name, where):
-            held = _splice_in(state, kind, held, stale, emit)
+            held = _splice_in(state, kind, held, stale, emit, sample)
             state = state.with_held(kind.name, held)
     except MultirepError:
         raise
@@ -107,10 +114,12 @@ def _jobs(state: State, name: str, where: SpliceList) -> Iterator[Interval]:
 
 
 def _first_fit(
-    state: State, kind: type[Representation], emit: Callable[[Event], None]
+    state: State, kind: type[Representation], emit: Callable[[Event], None], sample: Sampler
 ) -> Representation:
     delta = hop(state.tolerance)
-    sampled = compose(state, state.authors.domain, tolerance=SAMPLING_SHARE * delta, emit=emit)
+    sampled = compose(
+        state, state.authors.domain, tolerance=SAMPLING_SHARE * delta, emit=emit, sample=sample
+    )
     begin = perf_counter_ns()
     rest = delta - sampled.bound
     try:
@@ -145,6 +154,7 @@ def _splice_in(
     held: Held,
     stale: Interval,
     emit: Callable[[Event], None],
+    sample: Sampler,
 ) -> Held:
     """Bring one stale stretch up to date, reaching out as far as it takes."""
     value = held.value
@@ -171,7 +181,12 @@ def _splice_in(
                 value if target.stop == room.stop < value.domain.stop else None,
             )
             sampled = compose(
-                state, target, tolerance=SAMPLING_SHARE * delta, fixed=fixed, emit=emit
+                state,
+                target,
+                tolerance=SAMPLING_SHARE * delta,
+                fixed=fixed,
+                emit=emit,
+                sample=sample,
             )
             begin = perf_counter_ns()
         rest = delta - sampled.bound
