@@ -73,7 +73,8 @@ def searched(
     """
     trial = passed(problem, problem.ends.roomy(begin), tolerance)
     wanted = (np.maximum(trial.worst / TARGET, 1e-4) ** (1 / (problem.degree + 1))).sum()
-    if wanted + 1 + len(forced) < WORTHWHILE * len(trial.worst):
+    corners = np.count_nonzero(trial.breakpoints.times[1:-1] >= problem.degree)
+    if max(wanted, corners) + 1 + len(forced) < WORTHWHILE * len(trial.worst):
         trial = fewer(problem, trial, forced, tolerance)
     return proved(problem, trial, tolerance)
 
