@@ -13,12 +13,11 @@ import numpy as np
 
 from multirep.aim import Aim
 from multirep.arrays import Array
-from multirep.composition import chord_bounds
 from multirep.edit import Edit
 from multirep.errors import EditError, PluginError
 from multirep.interval import Interval
 from multirep.representation import Representation
-from multirep.sampled import SampledSplice, interpolate
+from multirep.sampled import SampledSplice, chord_bounds, interpolate
 from multirep.splices import SpliceList
 
 #: Width of the apron in terms of the free part of the change that borders on ice. Larger fades

@@ -12,11 +12,10 @@ from time import perf_counter_ns
 
 import numpy as np
 
-from multirep.arrays import Array
 from multirep.events import Event, Sampled
 from multirep.interval import Interval
 from multirep.representation import Representation
-from multirep.sampled import SampledSplice
+from multirep.sampled import SampledSplice, chord_bounds, join
 from multirep.samples import Sampler, sample_author
 from multirep.state import State
 
@@ -72,41 +71,6 @@ def compose(
     return join(pieces)
 
 
-def join(pieces: list[SampledSplice]) -> SampledSplice:
-    """Join sampled splices that follow each other; L passes through the middle of each seam.
-
-    The certificate of the two chords at a seam grows by half the gap there, so ``bound`` stays a
-    certificate.
-    """
-    if len(pieces) == 1:
-        return pieces[0]
-    points = [piece.points for piece in pieces]
-    bounds = [chord_bounds(piece).copy() for piece in pieces]
-    for k in range(len(pieces) - 1):
-        left, right = points[k][-1], points[k + 1][0]
-        middle = 0.5 * (left + right)
-        half = 0.5 * float(np.linalg.norm(right - left))
-        points[k] = np.concatenate([points[k][:-1], middle[None]])
-        points[k + 1] = np.concatenate([middle[None], points[k + 1][1:]])
-        bounds[k][-1] += half
-        bounds[k + 1][0] += half
-    joined = np.concatenate(bounds)
-    return SampledSplice(
-        np.concatenate([pieces[0].t, *(piece.t[1:] for piece in pieces[1:])]),
-        np.concatenate([points[0], *(rows[1:] for rows in points[1:])]),
-        bound=float(joined.max()),
-        breaks=tuple(sorted({t for piece in pieces for t in piece.breaks})),
-        chord_bounds=joined,
-    )
-
-
-def chord_bounds(sampled: SampledSplice) -> Array:
-    """Return the certificate chord by chord, (m,), whether or not the maker gave it so."""
-    if sampled.chord_bounds is not None:
-        return sampled.chord_bounds
-    return np.full(len(sampled.t) - 1, sampled.bound)
-
-
 def _short_end(
     author: Representation,
     piece: SampledSplice,
@@ -126,11 +90,5 @@ def _short_end(
     fine = sample(author, chord, tolerance=SHORT_FIRST_CHORDS * tolerance)
     if len(piece.t) == 2:
         return fine
-    rest = SampledSplice(
-        piece.t[1:] if first else piece.t[:-1],
-        piece.points[1:] if first else piece.points[:-1],
-        bound=piece.bound,
-        breaks=tuple(t for t in piece.breaks if (t >= chord.stop if first else t <= chord.start)),
-        chord_bounds=bounds[1:] if first else bounds[:-1],
-    )
-    return join([fine, rest] if first else [rest, fine])
+    chords = len(piece.t) - 1
+    return join([fine, piece.cut(1, chords)] if first else [piece.cut(0, chords - 1), fine])

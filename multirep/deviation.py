@@ -6,10 +6,9 @@ import attrs
 import numpy as np
 
 from multirep.arrays import Array
-from multirep.composition import chord_bounds
 from multirep.interval import Interval
 from multirep.representation import Representation
-from multirep.sampled import SampledSplice, interpolate
+from multirep.sampled import SampledSplice, chord_bounds, interpolate
 from multirep.splices import SpliceList
 
 #: First sampling tolerance in terms of the scale; the upper bound exceeds the lower one by about

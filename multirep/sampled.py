@@ -84,6 +84,53 @@ class SampledSplice:
             return np.full(len(self.t) - 1, tolerance)
         return tolerance + (self.bound - self.chord_bounds)
 
+    def cut(self, first: int, last: int) -> SampledSplice:
+        """Return the chords between samples ``first`` and ``last``, which both stay."""
+        start, stop = float(self.t[first]), float(self.t[last])
+        bounds = None if self.chord_bounds is None else self.chord_bounds[first:last]
+        return SampledSplice(
+            self.t[first : last + 1],
+            self.points[first : last + 1],
+            bound=self.bound if bounds is None else float(bounds.max()),
+            breaks=tuple(t for t in self.breaks if start <= t <= stop),
+            chord_bounds=bounds,
+        )
+
+
+def join(pieces: list[SampledSplice]) -> SampledSplice:
+    """Join sampled splices that follow each other; L passes through the middle of each seam.
+
+    The certificate of the two chords at a seam grows by half the gap there, so ``bound`` stays a
+    certificate.
+    """
+    if len(pieces) == 1:
+        return pieces[0]
+    points = [piece.points for piece in pieces]
+    bounds = [chord_bounds(piece).copy() for piece in pieces]
+    for k in range(len(pieces) - 1):
+        left, right = points[k][-1], points[k + 1][0]
+        middle = 0.5 * (left + right)
+        half = 0.5 * float(np.linalg.norm(right - left))
+        points[k] = np.concatenate([points[k][:-1], middle[None]])
+        points[k + 1] = np.concatenate([middle[None], points[k + 1][1:]])
+        bounds[k][-1] += half
+        bounds[k + 1][0] += half
+    joined = np.concatenate(bounds)
+    return SampledSplice(
+        np.concatenate([pieces[0].t, *(piece.t[1:] for piece in pieces[1:])]),
+        np.concatenate([points[0], *(rows[1:] for rows in points[1:])]),
+        bound=float(joined.max()),
+        breaks=tuple(sorted({t for piece in pieces for t in piece.breaks})),
+        chord_bounds=joined,
+    )
+
+
+def chord_bounds(sampled: SampledSplice) -> Array:
+    """Return the certificate chord by chord, (m,), whether or not the maker gave it so."""
+    if sampled.chord_bounds is not None:
+        return sampled.chord_bounds
+    return np.full(len(sampled.t) - 1, sampled.bound)
+
 
 def interpolate(t: Array, points: Array, at: Array) -> Array:
     """Evaluate the polyline through ``points`` (m, d) at ``t`` (m,) for parameters ``at``.

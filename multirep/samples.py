@@ -10,12 +10,16 @@ from typing import Protocol
 from multirep.errors import MultirepError, PluginError
 from multirep.interval import Interval
 from multirep.representation import Representation
-from multirep.sampled import SampledSplice
+from multirep.sampled import SampledSplice, join
 
 #: How many are kept: the pieces of one composed splice, seams and short ends included.
 KEPT = 8
 #: Longer ones are not kept: they would count in memory, and are not those of a drag.
 LONGEST = 4096
+#: An earlier stretch is used when it covers so much of what is asked for, and leaves so many
+#: chords: else sampling the rest at both ends costs more than sampling at once.
+MOST = 3 / 4
+FEWEST = 32
 
 
 class Sampler(Protocol):
@@ -50,10 +54,10 @@ def sample_author(author: Representation, stretch: Interval, *, tolerance: float
 
 
 class RecentSamples:
-    """A :class:`Sampler` that remembers: the same value, stretch and tolerance are sampled once.
+    """A :class:`Sampler` that remembers what it sampled.
 
-    Values are immutable and told apart by identity, so what it returns is what sampling again
-    would return.
+    The same value, stretch and tolerance are sampled once; of a stretch that mostly overlaps an
+    earlier one only the rest is sampled. Values are immutable and told apart by identity.
 
     Examples
     --------
@@ -65,16 +69,42 @@ class RecentSamples:
     """
 
     def __init__(self) -> None:
-        self._kept: list[tuple[Representation, Interval, float, SampledSplice]] = []
+        self._kept: list[tuple[Representation, float, SampledSplice]] = []
 
     def __call__(
         self, author: Representation, stretch: Interval, *, tolerance: float
     ) -> SampledSplice:
-        """Return what was sampled before, or sample."""
-        for whose, where, within, piece in self._kept:
-            if whose is author and within == tolerance and where == stretch:
-                return piece
-        piece = sample_author(author, stretch, tolerance=tolerance)
+        """Return what was sampled before as far as it goes, and sample the rest."""
+        near = [old for whose, within, old in self._kept if whose is author and within == tolerance]
+        for old in near:
+            if old.interval == stretch:
+                return old
+        for old in near:
+            common = old.interval.intersection(stretch)
+            if common is not None and common.length >= MOST * stretch.length:
+                piece = self._continued(author, old, stretch, tolerance)
+                break
+        else:
+            piece = sample_author(author, stretch, tolerance=tolerance)
         if len(piece.t) <= LONGEST:
-            self._kept = [(author, stretch, tolerance, piece), *self._kept[: KEPT - 1]]
+            self._kept = [(author, tolerance, piece), *self._kept[: KEPT - 1]]
         return piece
+
+    @staticmethod
+    def _continued(
+        author: Representation, old: SampledSplice, stretch: Interval, tolerance: float
+    ) -> SampledSplice:
+        """Keep the chords of ``old`` that lie in ``stretch``; sample what is left at both ends."""
+        first = int(old.t.searchsorted(stretch.start))
+        last = int(old.t.searchsorted(stretch.stop, "right")) - 1
+        if last - first < FEWEST:
+            return sample_author(author, stretch, tolerance=tolerance)
+        start, stop = float(old.t[first]), float(old.t[last])
+        pieces = [old.cut(first, last)]
+        if stretch.start < start:
+            rest = Interval(stretch.start, start)
+            pieces.insert(0, sample_author(author, rest, tolerance=tolerance))
+        if stop < stretch.stop:
+            rest = Interval(stop, stretch.stop)
+            pieces.append(sample_author(author, rest, tolerance=tolerance))
+        return join(pieces)

@@ -14,12 +14,12 @@ from collections.abc import Callable
 import attrs
 import numpy as np
 
-from multirep.composition import compose, join
+from multirep.composition import compose
 from multirep.deviation import chord_deviations
 from multirep.events import Event, Fitted
 from multirep.interval import Interval
 from multirep.representation import Representation
-from multirep.sampled import SampledSplice
+from multirep.sampled import SampledSplice, join
 from multirep.splices import SpliceList
 from multirep.state import Held, State
 from multirep.synchronization import SAMPLING_SHARE, check_edit, evolve_stale, hop

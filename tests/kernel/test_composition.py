@@ -8,10 +8,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from multirep.authors import AuthorMap
-from multirep.composition import chord_bounds, compose, join
+from multirep.composition import compose
 from multirep.interval import Interval
 from multirep.representation import Representation
-from multirep.sampled import SampledSplice
+from multirep.sampled import SampledSplice, chord_bounds, join
 from multirep.splices import SpliceList
 from multirep.state import Held, State
 from multirep.testing import CountingRepresentation, LoopbackRepresentation

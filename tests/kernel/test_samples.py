@@ -2,6 +2,8 @@
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 import multirep as mr
 from multirep.errors import PluginError
@@ -81,3 +83,37 @@ def test_a_sample_that_misses_its_tolerance_names_the_author() -> None:
 
     with pytest.raises(PluginError, match=r"'careless'\.sample certified 1"):
         sample_author(Careless([0, 1], [[0, 0], [1, 1]]), Interval(0, 1), tolerance=0.5)
+
+
+@given(
+    st.lists(st.integers(0, 64), min_size=2, max_size=2, unique=True),
+    st.lists(st.integers(0, 64), min_size=2, max_size=2, unique=True),
+)
+def test_what_overlaps_an_earlier_stretch_is_certified_like_any_other(
+    one: list[int], two: list[int]
+) -> None:
+    """Kept chords and newly sampled ends together keep to the tolerance and to the curve."""
+    t = np.linspace(0, 1, 33)
+    author = Nurbs.fit(SampledSplice(t, np.stack([t, np.sin(40 * t)], axis=1)), tolerance=1e-2)
+    recent, tolerance = RecentSamples(), 1e-4
+    recent(author, Interval(min(one) / 64, max(one) / 64), tolerance=tolerance)
+    piece = recent(author, Interval(min(two) / 64, max(two) / 64), tolerance=tolerance)
+    assert piece.interval == Interval(min(two) / 64, max(two) / 64)
+    assert piece.bound <= tolerance
+    assert np.array_equal(piece.points, author(piece.t))
+    dense = np.unique(np.concatenate((piece.t, np.linspace(*piece.interval, 500))))
+    off = np.linalg.norm(author(dense) - piece(dense), axis=1)
+    assert off.max() <= piece.bound * (1 + 1e-9)
+
+
+def test_of_a_longer_stretch_only_the_rest_is_sampled() -> None:
+    """What an earlier representation asked for is not sampled again for one that reaches out."""
+    Counting.asked.clear()
+    t = np.linspace(0, 1, 1025)
+    author = Counting(t, np.stack([t, np.sin(9 * t)], axis=1))
+    recent = RecentSamples()
+    recent(author, Interval(0.25, 0.75), tolerance=1e-4)
+    recent(author, Interval(0.125, 0.75), tolerance=1e-4)
+    assert Counting.asked == [Interval(0.25, 0.75), Interval(0.125, 0.25)]
+    recent(author, Interval(0.125, 0.9), tolerance=1e-4)
+    assert Counting.asked[2:] == [Interval(0.75, 0.9)]
