@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from importlib import import_module
 from typing import TYPE_CHECKING
+
+from multirep.loading import on_demand
 
 if TYPE_CHECKING:
     from multirep.constraints.condition import Condition as Condition
@@ -35,10 +36,4 @@ __all__ = [
 ]
 
 
-def __getattr__(name: str) -> object:
-    """Load a public name when it is first used (PEP 562)."""
-    if name in _HOMES:
-        value = getattr(import_module(f"multirep.constraints.{_HOMES[name]}"), name)
-        globals()[name] = value
-        return value
-    raise AttributeError(f"module 'multirep.constraints' has no attribute {name!r}")
+__getattr__ = on_demand(__name__, _HOMES)

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from importlib import import_module
 from typing import TYPE_CHECKING
+
+from multirep.loading import on_demand
 
 if TYPE_CHECKING:
     from multirep.representations.nurbs import Nurbs as Nurbs
@@ -15,10 +16,4 @@ _HOMES = {"Polyline": "polyline", "Nurbs": "nurbs", "WaveletBSpline": "wavelet"}
 __all__ = ["Nurbs", "Polyline", "WaveletBSpline"]
 
 
-def __getattr__(name: str) -> object:
-    """Load a public name when it is first used (PEP 562)."""
-    if name in _HOMES:
-        value = getattr(import_module(f"multirep.representations.{_HOMES[name]}"), name)
-        globals()[name] = value
-        return value
-    raise AttributeError(f"module 'multirep.representations' has no attribute {name!r}")
+__getattr__ = on_demand(__name__, _HOMES)

@@ -8,8 +8,9 @@ over each other), ``blending`` (how a stroke joins what stands), ``from_strokes`
 
 from __future__ import annotations
 
-from importlib import import_module
 from typing import TYPE_CHECKING
+
+from multirep.loading import on_demand
 
 if TYPE_CHECKING:
     from multirep.strokes.averaging import average_strokes as average_strokes
@@ -41,10 +42,4 @@ __all__ = [
 ]
 
 
-def __getattr__(name: str) -> object:
-    """Load a public name when it is first used (PEP 562)."""
-    if name in _HOMES:
-        value = getattr(import_module(f"multirep.strokes.{_HOMES[name]}"), name)
-        globals()[name] = value
-        return value
-    raise AttributeError(f"module 'multirep.strokes' has no attribute {name!r}")
+__getattr__ = on_demand(__name__, _HOMES)

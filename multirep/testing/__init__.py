@@ -11,8 +11,9 @@ wrong.
 from __future__ import annotations
 
 import sys
-from importlib import import_module
 from typing import TYPE_CHECKING
+
+from multirep.loading import on_demand
 
 if TYPE_CHECKING:
     from multirep.testing.constraint_suite import ConstraintSuite as ConstraintSuite
@@ -64,13 +65,7 @@ if "pytest" in sys.modules:  # let the asserts of the suites say what they compa
     )
 
 
-def __getattr__(name: str) -> object:
-    """Load a public name when it is first used (PEP 562)."""
-    if name in _HOMES:
-        value = getattr(import_module(f"multirep.testing.{_HOMES[name]}"), name)
-        globals()[name] = value
-        return value
-    raise AttributeError(f"module 'multirep.testing' has no attribute {name!r}")
+__getattr__ = on_demand(__name__, _HOMES)
 
 
 def __dir__() -> list[str]:
