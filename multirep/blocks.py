@@ -9,7 +9,7 @@ from __future__ import annotations
 from bisect import bisect_left, bisect_right
 from collections.abc import Iterable, Iterator
 from itertools import accumulate, pairwise
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 import numpy.typing as npt
@@ -49,6 +49,12 @@ class BlockArray(NDArrayOperatorsMixin):
         self._blocks = tuple(blocks)
         self._tail = tail
         self._ends = tuple(accumulate(map(len, self._blocks)))
+
+    @classmethod
+    def _of(cls, blocks: tuple[Array, ...], ends: tuple[int, ...], tail: tuple[int, ...]) -> Self:
+        new = cls.__new__(cls)
+        new._blocks, new._ends, new._tail = blocks, ends, tail
+        return new
 
     @classmethod
     def of(cls, values: ArrayLike | BlockArray) -> BlockArray:
@@ -222,7 +228,14 @@ class BlockArray(NDArrayOperatorsMixin):
                 pieces.insert(0, blocks[first])
         middle = np.concatenate(pieces)
         middle.setflags(write=False)
-        return BlockArray((*blocks[:first], *_cut(middle), *blocks[last + 1 :]), self._tail)
+        cut = _cut(middle)
+        before = ends[first - 1] if first else 0
+        shift = before + len(middle) - ends[last]
+        after = ends[last + 1 :]
+        marks = accumulate(map(len, cut), initial=before)
+        next(marks)
+        new_ends = (*ends[:first], *marks, *(map(shift.__add__, after) if shift else after))
+        return BlockArray._of((*blocks[:first], *cut, *blocks[last + 1 :]), new_ends, self._tail)
 
     def difference(self, other: BlockArray) -> tuple[int, int, int]:
         """Where two versions differ: ``(low, high, other_high)``.
