@@ -11,7 +11,7 @@ from multirep.blocks import BLOCK_ROWS, BlockArray
 from multirep.splices import SpliceList
 
 #: Rows between the first and the last difference that are simply compared, shared blocks or not.
-NARROW = BLOCK_ROWS
+NARROW = 4 * BLOCK_ROWS
 
 
 def changed_stretches(

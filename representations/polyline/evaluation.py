@@ -10,7 +10,7 @@ from multirep.sampled import interpolate
 
 #: Rows that may be cut out as one window however few parameters are asked for: joining a few blocks
 #: is cheaper than going through them one by one.
-NARROW = 4 * BLOCK_ROWS
+NARROW = 16 * BLOCK_ROWS
 
 
 def evaluate(t: BlockArray, points: BlockArray, at: Array) -> Array:
