@@ -103,7 +103,7 @@ def _smoothed(t: Array, points: Array, tolerance: float) -> tuple[int, float]:
 
     best = (0, np.inf)
     for between in BETWEEN:
-        x = _subdivided(t, between)
+        x = subdivided(t, between)
         y = _on(t, points, x)
         middles = 0.5 * (x[1:] + x[:-1])
         for part in SMOOTHING:
@@ -120,7 +120,7 @@ def _smoothed(t: Array, points: Array, tolerance: float) -> tuple[int, float]:
     return best
 
 
-def _subdivided(t: Array, between: int) -> Array:
+def subdivided(t: Array, between: int) -> Array:
     steps = np.arange(between + 1) / (between + 1)
     return np.append((t[:-1, None] + steps * np.diff(t)[:, None]).ravel(), t[-1])
 

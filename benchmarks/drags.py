@@ -1,4 +1,4 @@
-"""The curves and the drag steps that are measured."""
+"""The drag steps that are measured."""
 
 from __future__ import annotations
 
@@ -16,34 +16,10 @@ from multirep.representations import Nurbs, Polyline, WaveletBSpline
 STEP = 10.0
 #: Level of the sweep: its width is 7/2^6 of the curve.
 SWEEP_LEVEL = 6
-#: Harmonics of the fractal line: the same coast at every n, ever better surveyed.
-HARMONICS = 2**17
 #: Where on the curve things are dragged. The sweep covers the control point; the vertex is
 #: elsewhere: a vertex that is dragged out of a curve which other edits have smoothed makes ever
 #: narrower spikes.
 VERTEX, CONTROL_POINT, SWEPT = 0.2, 0.37, 0.4
-
-
-def smooth(n: int) -> Array:
-    """A wavy outline of size 2: the same shape at every n."""
-    t = np.linspace(0, 1, n)
-    wave = 0.05 * np.stack([np.cos(40 * np.pi * t), np.sin(34 * np.pi * t)], axis=1)
-    return np.stack([np.cos(2 * np.pi * t), np.sin(2 * np.pi * t)], axis=1) + wave
-
-
-def coast(n: int) -> Array:
-    """A fractal line of size 1, rough at every scale: finer vertices add finer detail."""
-    rng = np.random.default_rng(7)
-    k = np.arange(1, HARMONICS + 1)
-    waves = (rng.normal(size=(len(k), 2)) + 1j * rng.normal(size=(len(k), 2))) * (k**-1.6)[:, None]
-    # seven eighths of a period: an open curve
-    fine = np.fft.irfft(np.concatenate([np.zeros((1, 2)), waves]), axis=0)[: 7 * HARMONICS // 4]
-    at = np.linspace(0, len(fine) - 1, n)
-    rows = np.stack([np.interp(at, np.arange(len(fine)), column) for column in fine.T], axis=1)
-    return np.asarray(rows / np.ptp(rows, axis=0).max())
-
-
-CURVES: dict[str, Callable[[int], Array]] = {"smooth": smooth, "coast": coast}
 
 
 @frozen

@@ -1,0 +1,126 @@
+"""The runner: sets up each case, measures its contestants in turns, skips what takes too long."""
+
+from __future__ import annotations
+
+import platform
+from collections.abc import Callable, Iterable, Sequence
+from importlib.metadata import PackageNotFoundError, version
+from time import perf_counter
+
+from benchmarks.peers import PEERS
+from benchmarks.results import Cell, Entry, Results
+from benchmarks.timing import BUDGET, copying, in_turns
+from benchmarks.workload import Absent, Case, Contestant, Counted, Timed, Workload
+
+#: Seconds that one step of a peer may be expected to take; slower ones are left out.
+LIMIT = 45.0
+
+
+def run(
+    plan: Iterable[tuple[Workload, Sequence[Case]]],
+    *,
+    limit: float = LIMIT,
+    budget: float = BUDGET,
+    known: Results | None = None,
+    say: Callable[[str], None] = print,
+) -> Results:
+    """Measure the cases of workloads.
+
+    A contestant is left out of a case when the next smaller case of the same workload, or the
+    results that are known, let expect that one step takes more than ``limit`` seconds.
+    """
+    cells: list[Cell] = []
+    for workload, cases in plan:
+        for case in cases:
+            begin = perf_counter()
+            past = [*(known.of(workload.name) if known else ()), *cells]
+            cells.append(measured(workload, case, past, limit=limit, budget=budget))
+            say(
+                f"{workload.name:18} {case.curve:6} n = {case.size:<8} "
+                f"tolerance {case.tolerance:<6g} {perf_counter() - begin:6.1f} s"
+            )
+    return Results(machine(), tuple(cells))
+
+
+def measured(
+    workload: Workload,
+    case: Case,
+    past: Sequence[Cell] = (),
+    *,
+    limit: float = LIMIT,
+    budget: float = BUDGET,
+) -> Cell:
+    """Measure one case; ``past`` cells say what to expect."""
+    contestants = [
+        _within(limit, contestant, expected(workload.name, case, contestant.name, past))
+        for contestant in workload.contestants(case)
+    ]
+    timed = [c for c in contestants if isinstance(c, Timed)]
+    samples = dict(zip(map(id, timed), in_turns(timed, budget=budget), strict=True))
+    entries = tuple(_entry(contestant, samples.get(id(contestant))) for contestant in contestants)
+    return Cell(workload.name, case.curve, case.size, case.tolerance, entries)
+
+
+def expected(workload: str, case: Case, name: str, past: Sequence[Cell]) -> float:
+    """Return the seconds that a step should take: linear from the nearest case that is known.
+
+    0 when none is: nothing is known against it. A contestant that was left out of a smaller case
+    is expected to take for ever.
+    """
+    found = 0.0
+    for cell in past:
+        if cell.workload != workload or cell.curve != case.curve or cell.size > case.size:
+            continue
+        for entry in cell.entries:
+            if entry.name != name or entry.unit != "s":
+                continue
+            if entry.median is None:
+                found = float("inf") if TOO_SLOW in entry.why else found
+            else:
+                found = entry.median * case.size / cell.size
+    return found
+
+
+#: How a reason begins when it is about time.
+TOO_SLOW = "too slow"
+
+
+def _within(limit: float, contestant: Contestant, seconds: float) -> Contestant:
+    if seconds <= limit or not isinstance(contestant, Timed) or contestant.ours:
+        return contestant
+    about = f", about {seconds:.0f} s a step" if seconds < float("inf") else ""
+    return Absent(contestant.name, TOO_SLOW + about)
+
+
+def _entry(contestant: Contestant, samples: list[float] | None) -> Entry:
+    if isinstance(contestant, Absent):
+        return Entry(contestant.name, why=contestant.why)
+    if isinstance(contestant, Counted):
+        number = float(contestant.count())
+        return Entry.of(contestant.name, [number], ours=contestant.ours, unit=contestant.unit)
+    assert samples is not None
+    return Entry.of(contestant.name, samples, ours=contestant.ours)
+
+
+def machine() -> dict[str, str | float]:
+    """Return what the numbers depend on."""
+    found: dict[str, str | float] = {
+        "copy_16_MB_ms": round(1e3 * copying(), 3),
+        "processor": _processor(),
+        "python": platform.python_version(),
+    }
+    for name in ("numpy", "scipy", *PEERS.values()):
+        try:
+            found[name] = version(name)
+        except PackageNotFoundError:
+            found[name] = "not installed"
+    return found
+
+
+def _processor() -> str:
+    try:
+        with open("/proc/cpuinfo") as lines:
+            names = [line.partition(":")[2].strip() for line in lines if "model name" in line]
+    except OSError:
+        names = []
+    return names[0] if names else platform.processor() or platform.machine()

@@ -1,0 +1,67 @@
+"""One drag step through each representation, both others brought up to date; two eager programs."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+
+import numpy as np
+
+import multirep as mr
+from benchmarks.curves import CURVES, vertices, viewed
+from benchmarks.drags import STEP, VERTEX, drag_step, drags
+from benchmarks.eager import PROGRAMS, Refit
+from benchmarks.workload import Case, Contestant, Timed, Workload, sweep
+from multirep.arrays import Array
+from multirep.representations import Polyline
+
+#: Size at which tolerances are swept.
+SWEPT_SIZE = 1000
+#: Steps that are not measured: things settle to and fro.
+SETTLING = 20
+
+
+def contestants(case: Case) -> Iterator[Contestant]:
+    """Ours by the representation that is edited; each on a curve of its own."""
+    for number in range(3):
+        curve = viewed(case)
+        drag = drags(curve)[number]
+        for k in range(-SETTLING, 0):
+            drag_step(curve, drag, k)
+        yield Timed(drag.what, stepping(curve, number), ours=True)
+    for name, program in PROGRAMS.items():
+        yield Timed(name, eager_step(program, vertices(case.curve, case.size), case.tolerance))
+
+
+def stepping(curve: mr.MultiRepresentation, number: int) -> Callable[[int], None]:
+    """Return the drag step of a curve through one representation."""
+    drag = drags(curve)[number]
+    return lambda k: drag_step(curve, drag, k)
+
+
+def eager_step(
+    program: Callable[[Array, Array, float], Refit], points: Array, tolerance: float
+) -> Callable[[int], Refit]:
+    """Return the step of an eager program: move the same vertex and refit everything."""
+    polyline = Polyline.from_points(points)
+    t, rows = np.array(polyline.t), np.array(polyline.points)
+    vertex = int(t.searchsorted(VERTEX))
+    at = rows[vertex].copy()
+
+    def step(k: int) -> Refit:
+        rows[vertex] = at
+        rows[vertex, k % 2] += STEP * tolerance
+        return program(t, rows, tolerance)
+
+    return step
+
+
+DRAG = Workload(
+    "drag",
+    "One drag step, all views brought up to date",
+    (
+        *sweep(*CURVES),
+        *sweep(sizes=[SWEPT_SIZE], full=[], tolerances=[1e-2, 1e-4, 1e-5, 1e-6]),
+    ),
+    contestants,
+    checked=sweep("smooth", sizes=[1000, 100_000], full=[]) + sweep("coast", sizes=[1000], full=[]),
+)

@@ -1,0 +1,107 @@
+"""Memory of a multi-representation with all views beside its flat arrays; of 1 000 undo steps."""
+
+from __future__ import annotations
+
+import gc
+import tracemalloc
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+
+import multirep as mr
+from benchmarks.curves import CURVES, vertices
+from benchmarks.drags import STEP
+from benchmarks.workload import Case, Contestant, Counted, Workload, sweep
+from multirep.representations import Polyline
+from multirep.tools import MoveVertex
+
+STEPS = 1000
+#: Vertices that a local gesture works on.
+FEW = 100
+
+
+def everything(case: Case) -> Iterator[Contestant]:
+    """What stays, what it took while fitting, and the numbers themselves."""
+    points = vertices(case.curve, case.size)
+    make(points[: case.size // 10], case.tolerance)  # imports and factors that are kept
+    with traced() as bytes_of:
+        curve = make(points, case.tolerance)
+    flat = sum(array.nbytes for kind in curve.kinds for array in arrays(curve.view(kind)))
+    yield Counted("all views", lambda: bytes_of["kept"], "bytes", ours=True)
+    yield Counted("all views, at the most while fitting", lambda: bytes_of["peak"], "bytes", True)
+    yield Counted("flat arrays", lambda: flat, "bytes")
+
+
+def history(case: Case) -> Iterator[Contestant]:
+    """What a thousand undo steps add, in one place and all over."""
+    points = vertices(case.curve, case.size)
+    with traced() as whole:
+        curve = make(points, case.tolerance)
+    for name, places in {
+        f"{STEPS} steps on {FEW} vertices": case.size // 5 + np.arange(STEPS) % FEW,
+        f"{STEPS} steps all over": np.linspace(1, case.size - 2, STEPS).astype(int),
+    }.items():
+        session = mr.Session()
+        state = curve.snapshot()
+        session.add("curve", curve)
+        with traced() as added:
+            for index in places.tolist():
+                point = session.curve("curve").view(Polyline).points[index]
+                to = (point[0], point[1] + STEP * case.tolerance)
+                session.apply("curve", MoveVertex(index=index, to=to))
+                for kind in curve.kinds:
+                    curve.view(kind)
+        yield counted(name, added["kept"])
+        del session
+        curve.restore(state)
+    yield Counted("all views", lambda: whole["kept"], "bytes")
+
+
+def counted(name: str, found: float) -> Counted:
+    """Return what is known already."""
+    return Counted(name, lambda: found, "bytes", ours=True)
+
+
+def make(points: Any, tolerance: float) -> mr.MultiRepresentation:
+    """Bring all views up to date."""
+    curve = mr.MultiRepresentation.from_points(points, tolerance=tolerance)
+    for kind in curve.kinds:
+        curve.view(kind)
+    return curve
+
+
+def arrays(value: Any) -> Iterator[np.ndarray]:
+    """Yield the flat arrays of a representation."""
+    yield np.asarray(value.t if isinstance(value, Polyline) else value.knots)
+    yield np.asarray(value.points)
+
+
+class traced:
+    """Bytes that the block keeps allocated, and the most it had."""
+
+    def __enter__(self) -> dict[str, float]:
+        gc.collect()
+        tracemalloc.start()
+        self.found: dict[str, float] = {}
+        return self.found
+
+    def __exit__(self, *_: object) -> None:
+        gc.collect()
+        self.found["kept"], self.found["peak"] = tracemalloc.get_traced_memory()
+        tracemalloc.stop()
+
+
+MEMORY = Workload(
+    "memory",
+    "Memory of a multi-representation, all views",
+    sweep(*CURVES, sizes=[10_000, 100_000]),
+    everything,
+    checked=sweep(*CURVES, sizes=[10_000], full=[]),
+)
+HISTORY = Workload(
+    "history",
+    f"Memory that {STEPS} undo steps add",
+    sweep("smooth", sizes=[100_000]),
+    history,
+)
