@@ -2,6 +2,9 @@
 # make test    everything that is checked: lint, types, tests; .ci/run calls it
 # make picture the picture of the README, from examples/cat.toml
 # make gallery docs/gallery.md and its pictures, from the scripts that it shows
+# make bench   measures everything beside its peers: docs/performance.md and .svg (about six minutes)
+# make bench-full   the same up to a million vertices
+# make bench-check  measures a quick part again; fails when a ratio lost more than a third
 # make types   pyright beside mypy (fetches Node.js once)
 # make clean   removes the virtual environment and what was built
 #
@@ -11,7 +14,7 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 
-.PHONY: demo test lint types picture gallery clean
+.PHONY: demo test lint types picture gallery bench bench-full bench-check clean
 
 demo: $(VENV)/demo.stamp
 	$(BIN)/multirep run examples/cat.toml --out cat-out
@@ -36,6 +39,15 @@ picture: $(VENV)/demo.stamp
 gallery: $(VENV)/demo.stamp
 	$(BIN)/python docs/make_gallery.py
 
+bench: $(VENV)/bench.stamp
+	$(BIN)/python -m benchmarks run
+
+bench-full: $(VENV)/bench.stamp
+	$(BIN)/python -m benchmarks run --full
+
+bench-check: $(VENV)/bench.stamp
+	$(BIN)/python -m benchmarks check
+
 $(VENV)/demo.stamp: pyproject.toml setup.py | $(VENV)/pip.stamp
 	PYTHONWARNINGS=ignore $(BIN)/python -m pip install -q -e .
 	@touch $@
@@ -43,6 +55,12 @@ $(VENV)/demo.stamp: pyproject.toml setup.py | $(VENV)/pip.stamp
 $(VENV)/test.stamp: pyproject.toml setup.py | $(VENV)/pip.stamp
 	PYTHONWARNINGS=ignore $(BIN)/python -m pip install -q -e . --group test --group lint --group types
 	@touch $@ $(VENV)/demo.stamp
+
+# Peers are optional: the tables name those that this machine cannot install.
+$(VENV)/bench.stamp: $(VENV)/demo.stamp
+	PYTHONWARNINGS=ignore $(BIN)/python -m pip install -q -e '.[plot]'
+	-$(BIN)/python -m pip install -q --group bench
+	@touch $@
 
 # pip older than 25.1 does not know --group.
 $(VENV)/pip.stamp:

@@ -10,12 +10,14 @@ import multirep as mr
 from benchmarks.curves import CURVES, vertices, viewed
 from benchmarks.drags import STEP, VERTEX, drag_step, drags
 from benchmarks.eager import PROGRAMS, Refit
-from benchmarks.workload import Case, Contestant, Timed, Workload, sweep
+from benchmarks.workload import Absent, Case, Contestant, Timed, Workload, sweep
 from multirep.arrays import Array
 from multirep.representations import Polyline
 
 #: Size at which tolerances are swept.
 SWEPT_SIZE = 1000
+#: Finest tolerance that the eager programs are asked for: below it they take half a minute.
+EAGER = 1e-4
 #: Steps that are not measured: things settle to and fro.
 SETTLING = 20
 
@@ -29,6 +31,9 @@ def contestants(case: Case) -> Iterator[Contestant]:
             drag_step(curve, drag, k)
         yield Timed(drag.what, stepping(curve, number), ours=True)
     for name, program in PROGRAMS.items():
+        if case.tolerance < EAGER:
+            yield Absent(name, f"left out at tolerances below {EAGER:g}")
+            continue
         yield Timed(name, eager_step(program, vertices(case.curve, case.size), case.tolerance))
 
 
