@@ -9,6 +9,7 @@ from importlib import import_module
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
 from benchmarks.workload import Absent, Contestant, Timed
 from multirep.arrays import Array
@@ -62,7 +63,7 @@ def occ_curve(knots: Array, points: Array, degree: int = 3) -> Any:
     )
 
 
-def occ_array(kind: str, values: Array) -> Any:
+def occ_array(kind: str, values: npt.NDArray[Any]) -> Any:
     """Return an OpenCASCADE array of "double" or "int"."""
     collections = import_module("OCP.collections")
     found = getattr(collections, f"Array1_{kind}")(1, len(values))

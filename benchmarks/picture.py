@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 from benchmarks.results import Results
 
@@ -22,7 +23,7 @@ def draw(results: Results, path: Path) -> None:
     mpl.use("svg")
     from matplotlib.figure import Figure
 
-    settings = {"svg.hashsalt": "multirep", "svg.fonttype": "none", "font.size": 10}
+    settings: dict[Any, Any] = {"svg.hashsalt": "multirep", "svg.fonttype": "none", "font.size": 10}
     with mpl.rc_context(settings):
         figure = Figure(figsize=(9, 4.4), layout="constrained")
         pair = figure.subplots(1, 2, sharey=True)

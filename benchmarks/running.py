@@ -9,7 +9,7 @@ from time import perf_counter
 
 from benchmarks.peers import PEERS
 from benchmarks.results import Cell, Entry, Results
-from benchmarks.timing import BUDGET, copying, in_turns
+from benchmarks.timing import BUDGET, Stopwatch, copying, in_turns
 from benchmarks.workload import Absent, Case, Contestant, Counted, Timed, Workload
 
 #: Seconds that one step of a peer may be expected to take; slower ones are left out.
@@ -56,8 +56,8 @@ def measured(
         for contestant in workload.contestants(case)
     ]
     timed = [c for c in contestants if isinstance(c, Timed)]
-    samples = dict(zip(map(id, timed), in_turns(timed, budget=budget), strict=True))
-    entries = tuple(_entry(contestant, samples.get(id(contestant))) for contestant in contestants)
+    watches = iter(in_turns(timed, budget=budget))
+    entries = tuple(_entry(next(watches) if isinstance(c, Timed) else c) for c in contestants)
     return Cell(workload.name, case.curve, case.size, case.tolerance, entries)
 
 
@@ -92,14 +92,16 @@ def _within(limit: float, contestant: Contestant, seconds: float) -> Contestant:
     return Absent(contestant.name, TOO_SLOW + about)
 
 
-def _entry(contestant: Contestant, samples: list[float] | None) -> Entry:
-    if isinstance(contestant, Absent):
-        return Entry(contestant.name, why=contestant.why)
-    if isinstance(contestant, Counted):
-        number = float(contestant.count())
-        return Entry.of(contestant.name, [number], ours=contestant.ours, unit=contestant.unit)
-    assert samples is not None
-    return Entry.of(contestant.name, samples, ours=contestant.ours)
+def _entry(contestant: Stopwatch | Counted | Absent) -> Entry:
+    match contestant:
+        case Absent(name, why):
+            return Entry(name, why=why)
+        case Counted(name, number, unit, ours):
+            return Entry.of(name, [float(number)], ours=ours, unit=unit)
+        case Stopwatch(contestant=Timed(name=name, ours=ours)):
+            if contestant.failure:
+                return Entry(name, ours, why=contestant.failure)
+            return Entry.of(name, contestant.samples, ours=ours)
 
 
 def machine() -> dict[str, str | float]:

@@ -28,13 +28,21 @@ class Stopwatch:
     contestant: Timed
     budget: float = BUDGET
     samples: list[float] = field(factory=list)
+    #: Why there are no samples: what a peer raised.
+    failure: str = ""
     _steps: int = 0
     _repeats: int = 1
     _spent: float = 0.0
 
     def warm_up(self) -> None:
         """Two steps that do not count; of a slow contestant none, but the first one counts."""
-        first = self._sample(1)
+        try:
+            first = self._sample(1)
+        except Exception as error:
+            if self.contestant.ours:
+                raise
+            self.failure = f"failed: {error}"
+            return
         if first > 1.0:
             self.samples.append(first)
         elif self.contestant.before is None:
@@ -45,6 +53,8 @@ class Stopwatch:
     @property
     def done(self) -> bool:
         """Whether there are enough samples, or the budget is used up."""
+        if self.failure:
+            return True
         count = len(self.samples)
         slow = count > 0 and self.samples[0] > 1.0
         enough = 1 if slow else LEAST
@@ -68,7 +78,7 @@ class Stopwatch:
         return seconds / repeats
 
 
-def in_turns(contestants: Sequence[Timed], *, budget: float = BUDGET) -> list[list[float]]:
+def in_turns(contestants: Sequence[Timed], *, budget: float = BUDGET) -> list[Stopwatch]:
     """Return the samples of each, taken in turns: what disturbs one disturbs all."""
     watches = [Stopwatch(contestant, budget) for contestant in contestants]
     with no_garbage_collection():
@@ -77,7 +87,7 @@ def in_turns(contestants: Sequence[Timed], *, budget: float = BUDGET) -> list[li
         while running := [watch for watch in watches if not watch.done]:
             for watch in running:
                 watch.take()
-    return [watch.samples for watch in watches]
+    return watches
 
 
 @contextmanager

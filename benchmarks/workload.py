@@ -52,7 +52,7 @@ class Counted:
     """A number that needs no repetition: vertices, bytes, control points, a median of its own."""
 
     name: str
-    count: Callable[[], float]
+    number: float
     unit: str
     ours: bool = False
 

@@ -198,7 +198,7 @@ def test_what_would_take_too_long_is_left_out() -> None:
     def contestants(case: Case) -> list[Contestant]:
         return [
             Timed("peer", lambda k: None),
-            Counted("ours", lambda: case.size, "vertices", ours=True),
+            Counted("ours", case.size, "vertices", ours=True),
             Absent("ghost", "not installed"),
         ]
 
@@ -211,6 +211,19 @@ def test_what_would_take_too_long_is_left_out() -> None:
     left_out = attrs.evolve(past, size=10_000, entries=(peer,))
     assert measured(job, Case(10_000), [past, left_out], limit=1.0).entries[0].median is None
     assert measured(job, Case(10_000), [past], limit=9.0).entries[0].median is not None
+
+
+def test_a_peer_that_fails_is_named_and_ours_is_an_error() -> None:
+    """What we cannot do must not go by unseen."""
+
+    def fail(k: int) -> None:
+        raise ArithmeticError("out of reach")
+
+    job = Workload("job", "a job", [Case(10)], lambda case: [Timed("peer", fail)])
+    (entry,) = measured(job, Case(10)).entries
+    assert (entry.median, entry.why) == (None, "failed: out of reach")
+    with pytest.raises(ArithmeticError, match="out of reach"):
+        in_turns([Timed("fast", fail, ours=True)])
 
 
 def test_a_workload_sets_up_and_runs() -> None:

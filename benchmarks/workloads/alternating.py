@@ -36,17 +36,12 @@ def contestants(case: Case) -> Iterator[Contestant]:
     moved = max(float(np.abs(a - b).max()) for a, b in zip(before, after, strict=True))
     for part, seconds in enumerate(medians):
         first, last = part * STEPS // PARTS + 1, (part + 1) * STEPS // PARTS
-        yield number(f"a step, number {first} to {last}", seconds, "s")
+        yield Counted(f"a step, number {first} to {last}", seconds, "s", ours=True)
     for kind, counts in sizes.items():
-        yield number(f"{kind}, before", counts[0], "controls")
-        yield number(f"{kind}, after {STEPS // PARTS}", counts[1], "controls")
-        yield number(f"{kind}, after {STEPS}", counts[-1], "controls")
-    yield number("drift of an untouched stretch", moved, "length")
-
-
-def number(name: str, found: float, unit: str) -> Counted:
-    """Return what is known already."""
-    return Counted(name, lambda: found, unit, ours=True)
+        yield Counted(f"{kind}, before", counts[0], "controls", ours=True)
+        yield Counted(f"{kind}, after {STEPS // PARTS}", counts[1], "controls", ours=True)
+        yield Counted(f"{kind}, after {STEPS}", counts[-1], "controls", ours=True)
+    yield Counted("drift of an untouched stretch", moved, "length", ours=True)
 
 
 ALTERNATING = Workload(

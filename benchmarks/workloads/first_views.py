@@ -65,9 +65,9 @@ def control_points(case: Case) -> Iterator[Contestant]:
         vertices(case.curve, case.size), tolerance=case.tolerance
     )
     for kind in (Nurbs, WaveletBSpline):
-        yield counted(f"{kind.name} view", curve.view(kind).size, "controls", ours=True)
+        yield Counted(f"{kind.name} view", curve.view(kind).size, "controls", ours=True)
     for name, search in searches(case).items():
-        yield counted(name, search.control_points, "controls")
+        yield Counted(name, search.control_points, "controls")
 
 
 def distances(case: Case) -> Iterator[Contestant]:
@@ -77,9 +77,9 @@ def distances(case: Case) -> Iterator[Contestant]:
     )
     for kind in (Nurbs, WaveletBSpline):
         upper = curve.deviation(Polyline, kind).upper / case.tolerance
-        yield counted(f"{kind.name} view, proved", upper, "tolerances", ours=True)
+        yield Counted(f"{kind.name} view, proved", upper, "tolerances", ours=True)
     for name, search in searches(case).items():
-        yield counted(f"{name}, seen", search.error, "tolerances")
+        yield Counted(f"{name}, seen", search.error, "tolerances")
 
 
 def searches(case: Case) -> dict[str, Search]:
@@ -91,11 +91,6 @@ def searches(case: Case) -> dict[str, Search]:
             found["splprep, chords too"] = search
             break
     return found
-
-
-def counted(name: str, found: float, unit: str, *, ours: bool = False) -> Counted:
-    """Return what is known already."""
-    return Counted(name, lambda: found, unit, ours)
 
 
 @cache

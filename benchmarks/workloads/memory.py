@@ -28,9 +28,9 @@ def everything(case: Case) -> Iterator[Contestant]:
     with traced() as bytes_of:
         curve = make(points, case.tolerance)
     flat = sum(array.nbytes for kind in curve.kinds for array in arrays(curve.view(kind)))
-    yield Counted("all views", lambda: bytes_of["kept"], "bytes", ours=True)
-    yield Counted("all views, at the most while fitting", lambda: bytes_of["peak"], "bytes", True)
-    yield Counted("flat arrays", lambda: flat, "bytes")
+    yield Counted("all views", bytes_of["kept"], "bytes", ours=True)
+    yield Counted("all views, at the most while fitting", bytes_of["peak"], "bytes", True)
+    yield Counted("flat arrays", flat, "bytes")
 
 
 def history(case: Case) -> Iterator[Contestant]:
@@ -52,15 +52,10 @@ def history(case: Case) -> Iterator[Contestant]:
                 session.apply("curve", MoveVertex(index=index, to=to))
                 for kind in curve.kinds:
                     curve.view(kind)
-        yield counted(name, added["kept"])
+        yield Counted(name, added["kept"], "bytes", ours=True)
         del session
         curve.restore(state)
-    yield Counted("all views", lambda: whole["kept"], "bytes")
-
-
-def counted(name: str, found: float) -> Counted:
-    """Return what is known already."""
-    return Counted(name, lambda: found, "bytes", ours=True)
+    yield Counted("all views", whole["kept"], "bytes")
 
 
 def make(points: Any, tolerance: float) -> mr.MultiRepresentation:

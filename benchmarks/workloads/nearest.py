@@ -47,7 +47,7 @@ def wrong(case: Case) -> Iterator[Contestant]:
     for name, curve in ours(case).items():
         there = curve(np.linspace(0, 1, TRUTH * case.size))
         found = [curve.nearest(point).distance for point in points]
-        yield counted(name, excess(there, points, np.array(found)), ours=True)
+        yield Counted(name, excess(there, points, np.array(found)), "length", ours=True)
     try:
         splinepy = imported("splinepy")
     except ImportError:
@@ -57,7 +57,7 @@ def wrong(case: Case) -> Iterator[Contestant]:
     at = curve.proximities(points, [TREE * case.size], nthreads=1)
     found = np.linalg.norm(plain(np.clip(at[:, 0], 0, 1)) - points, axis=1)
     there = plain(np.linspace(0, 1, TRUTH * case.size))
-    yield counted("splinepy, tree kept", excess(there, points, found), ours=False)
+    yield Counted("splinepy, tree kept", excess(there, points, found), "length", ours=False)
 
 
 def ours(case: Case) -> dict[str, Representation]:
@@ -103,11 +103,6 @@ def excess(there: Array, points: Array, found: Array) -> float:
     from scipy.spatial import cKDTree
 
     return max(float((found - cKDTree(there).query(points)[0]).max()), 0.0)
-
-
-def counted(name: str, found: float, *, ours: bool) -> Counted:
-    """Return what is known already."""
-    return Counted(name, lambda: found, "length", ours)
 
 
 NEAREST_ONE = Workload(

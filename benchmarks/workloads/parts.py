@@ -28,10 +28,10 @@ def contestants(case: Case) -> Iterator[Contestant]:
         curve = viewed(case)
         drag = drags(curve)[number]
         for what, seconds in parts(curve, drag).items():
-            yield counted(f"{drag.what}: {what}", seconds, "s")
+            yield Counted(f"{drag.what}: {what}", seconds, "s", ours=True)
         python, compiled = calls(curve, drag)
-        yield counted(f"{drag.what}: calls of Python functions", python, "calls")
-        yield counted(f"{drag.what}: calls of compiled functions", compiled, "calls")
+        yield Counted(f"{drag.what}: calls of Python functions", python, "calls", ours=True)
+        yield Counted(f"{drag.what}: calls of compiled functions", compiled, "calls", ours=True)
     yield Timed("floor: copy one block", copying_a_block(), ours=True)
     yield Timed("floor: two banded solves", solving_twice(), ours=True)
 
@@ -103,11 +103,6 @@ def solving_twice() -> Callable[[int], object]:
         dpbsv(matrix, right)
 
     return step
-
-
-def counted(name: str, found: float, unit: str) -> Counted:
-    """Return what is known already."""
-    return Counted(name, lambda: found, unit, ours=True)
 
 
 PARTS = Workload(

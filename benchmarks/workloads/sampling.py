@@ -20,10 +20,10 @@ def vertices(case: Case, *, rational: bool) -> Iterator[Contestant]:
     curve = spline(case.curve, case.size, rational=rational)
     sampled = curve.sample(curve.domain, tolerance=case.tolerance)
     optimum, length = integrals(case.curve, case.size, rational)
-    yield counted("vertices", len(sampled.t), "vertices", ours=True)
-    yield counted("proved bound", sampled.bound / case.tolerance, "tolerances", ours=True)
-    yield counted("optimum", optimum / np.sqrt(8 * case.tolerance), "vertices")
-    yield counted("spaced by arc length", length / case.tolerance, "vertices")
+    yield Counted("vertices", len(sampled.t), "vertices", ours=True)
+    yield Counted("proved bound", sampled.bound / case.tolerance, "tolerances", ours=True)
+    yield Counted("optimum", optimum / np.sqrt(8 * case.tolerance), "vertices")
+    yield Counted("spaced by arc length", length / case.tolerance, "vertices")
 
 
 def times(case: Case) -> Iterator[Contestant]:
@@ -43,11 +43,6 @@ def curves(case: Case) -> dict[str, Nurbs]:
 def sampling(curve: Nurbs, tolerance: float) -> Callable[[int], object]:
     """Return the sampling of a whole curve."""
     return lambda k: curve.sample(curve.domain, tolerance=tolerance)
-
-
-def counted(name: str, found: float, unit: str, *, ours: bool = False) -> Counted:
-    """Return what is known already."""
-    return Counted(name, lambda: found, unit, ours)
 
 
 @cache
