@@ -8,6 +8,7 @@ import multirep as mr
 from benchmarks.curves import viewed
 from benchmarks.drags import Drag, drags
 from benchmarks.workload import Case, Contestant, Timed, Workload, sweep
+from benchmarks.workloads.windows import going_back
 
 
 def contestants(case: Case) -> Iterator[Contestant]:
@@ -15,7 +16,6 @@ def contestants(case: Case) -> Iterator[Contestant]:
     for number in range(3):
         curve = viewed(case)
         drag = drags(curve)[number]
-        state = curve.snapshot()
         value = curve.view(drag.kind)
         edit = drag.step(value, 0)
 
@@ -27,15 +27,10 @@ def contestants(case: Case) -> Iterator[Contestant]:
         ) -> None:
             curve.commit(drag.kind, edit)
 
-        yield Timed(f"{drag.what}: commit", commit, True, before=going_back(curve, state))
+        yield Timed(f"{drag.what}: commit", commit, True, before=going_back(curve))
     for number in range(3):
         curve = viewed(case)
         yield Timed(f"{drags(curve)[number].what}: edit and commit", blind(curve, number), True)
-
-
-def going_back(curve: mr.MultiRepresentation, state: object) -> Callable[[int], None]:
-    """Return what restores a snapshot."""
-    return lambda k: curve.restore(state)  # type: ignore[arg-type]
 
 
 def blind(curve: mr.MultiRepresentation, number: int) -> Callable[[int], None]:
