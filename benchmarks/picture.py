@@ -13,6 +13,8 @@ OURS = {
     "sweep at level 6": "#8ab17d",
 }
 EAGER = {"eager, quick": "#e76f51", "eager, frugal": "#9d0208"}
+#: Milliseconds that have a label.
+TICKS = {1: "1 ms", 10: "10 ms", 100: "100 ms", 1e3: "1 s", 1e4: "10 s", 1e5: "100 s"}
 COLOURS = OURS | EAGER
 
 
@@ -40,7 +42,8 @@ def draw(results: Results, path: Path) -> None:
             axes.set_xlabel("vertices")
             axes.grid(which="major", color="#dddddd", linewidth=0.6)
             axes.spines[["top", "right"]].set_visible(False)
-        pair[0].set_ylabel("CPU ms for one drag step, all views up to date")
+        pair[0].set_yticks([*TICKS], [*TICKS.values()])
+        pair[0].set_ylabel("CPU time of one drag step, all views up to date")
         handles, labels = pair[0].get_legend_handles_labels()
         figure.legend(handles, labels, loc="outside lower center", ncols=5, frameon=False)
         figure.savefig(path, format="svg", metadata={"Date": None, "Creator": "multirep"})

@@ -28,7 +28,7 @@ def beside_peers(cells: Sequence[Cell], names: Container[str]) -> list[list[str]
     peers = dict.fromkeys(e.name for cell in cells for e in cell.peers if e.name in names)
     heads = headings(cells)
     ratios = [f"{name} : ours" for name in peers]
-    rows = [[*heads, "ours", *ratios, "ours takes", *(f"{name} takes" for name in peers)]]
+    rows = [[*heads, "what", *ratios, "ours", *peers]]
     for cell in cells:
         found = {entry.name: entry for entry in cell.peers}
         for ours in cell.ours:
@@ -109,7 +109,7 @@ def in_unit(value: float, unit: str) -> str:
     if unit == "bytes":
         return f"{number(value / 1e6)} MB"
     if unit != "s":
-        return number(value) if unit in ("vertices", "controls", "calls") else f"{value:.3g}"
+        return number(value)
     for scale, name in ((1, "s"), (1e3, "ms"), (1e6, "µs")):
         if value * scale >= 1 or name == "µs":
             break

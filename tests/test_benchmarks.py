@@ -49,7 +49,7 @@ def test_tables_put_ratios_first_and_say_who_is_missing() -> None:
     text = table(results().cells)
     head, _, first, second = text.splitlines()[:4]
     columns = [column.strip() for column in head.split("|")[1:-1]]
-    assert columns == ["n", "ours", "peer : ours", "ours takes", "peer takes"]
+    assert columns == ["n", "what", "peer : ours", "ours", "peer"]
     assert [x.strip() for x in first.split("|")[1:-1]] == [
         "1 000", "fast", "50", "1 ms (950 µs – 1.05 ms)", "50 ms",
     ]  # fmt: skip

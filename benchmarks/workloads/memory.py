@@ -29,7 +29,7 @@ def everything(case: Case) -> Iterator[Contestant]:
         curve = make(points, case.tolerance)
     flat = sum(array.nbytes for kind in curve.kinds for array in arrays(curve.view(kind)))
     yield Counted("all views", bytes_of["kept"], "bytes", ours=True)
-    yield Counted("all views, at the most while fitting", bytes_of["peak"], "bytes", True)
+    yield Counted("the most while fitting", bytes_of["peak"], "bytes", True)
     yield Counted("flat arrays", flat, "bytes")
 
 
