@@ -34,5 +34,5 @@ def of_children() -> float:
     return spent.ru_utime + spent.ru_stime
 
 
-CASE = Case(0, "none")
+CASE = Case(1, "none")
 STARTING = Workload("start", "Starting", [CASE], contestants, checked=[CASE])
