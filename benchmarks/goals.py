@@ -46,10 +46,10 @@ class Goal:
     unit: str = ""
     sense: Literal["at most", "at least"] = "at most"
 
-    def worst(self, results: Results) -> Found | None:
-        """Return the number farthest on the wrong side; None when nothing was measured."""
-        pick = max if self.sense == "at most" else min
-        return pick(self.reading(results), default=None)
+    def extremes(self, results: Results) -> tuple[Found, Found] | None:
+        """Return the worst and the best number; None when nothing was measured."""
+        found = sorted(self.reading(results), reverse=self.sense == "at most")
+        return (found[0], found[-1]) if found else None
 
     def reached(self, value: float) -> bool:
         """Whether a number keeps within the limit."""
@@ -58,17 +58,18 @@ class Goal:
 
 def goal_table(results: Results) -> str:
     """Return all goals with what is measured here, as markdown."""
-    rows = [["job", "goal", "here, at worst", "reached", "where"]]
+    rows = [["job", "goal", "at worst", "at best", "reached", "the worst is"]]
     for goal in GOALS:
         sign = "≤" if goal.sense == "at most" else "≥"
         text = f"{goal.text}: {sign} {in_unit(goal.limit, goal.unit)}"
-        found = goal.worst(results)
+        found = goal.extremes(results)
         if found is None:
-            rows.append([goal.job, text, NOTHING, "not measured", NOTHING])
+            rows.append([goal.job, text, NOTHING, NOTHING, "not measured", NOTHING])
             continue
-        value, where = found
+        (value, where), (best, _) = found
         reached = "yes" if goal.reached(value) else f"**no**, by {number(missed(goal, value))} ×"
-        rows.append([goal.job, text, in_unit(value, goal.unit), reached, where])
+        numbers = (in_unit(x, goal.unit) for x in (value, best))
+        rows.append([goal.job, text, *numbers, reached, where])
     return markdown(rows)
 
 

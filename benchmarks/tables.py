@@ -82,7 +82,7 @@ def notes(cells: Sequence[Cell]) -> Iterable[str]:
             if entry.median is None:
                 missing.setdefault(f"{entry.name}: {entry.why}", []).append(f"{cell.size}")
     for what, sizes in missing.items():
-        yield f"\nLeft out: {what} (n = {', '.join(dict.fromkeys(sizes))})."
+        yield f"Left out: {what} (n = {', '.join(dict.fromkeys(sizes))})."
 
 
 def quantity(entry: Entry) -> str:

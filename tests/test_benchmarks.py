@@ -110,6 +110,20 @@ def test_goals_are_judged_by_the_worst() -> None:
     assert "not measured" in rows[-1]
 
 
+def test_goals_of_at_least_take_the_least() -> None:
+    """20 x at n = 10^3 is below 25 x, 5 000 x at 10^5 is enough."""
+    peer = [attrs.evolve(c.entries[1], name="eager, quick") for c in results().cells]
+    cells = tuple(
+        attrs.evolve(c, workload="drag", entries=(Entry.of("x", [s], ours=True), p))
+        for c, p, s in zip(results().cells, peer, (0.0025, 0.001), strict=True)
+    )
+    text = goal_table(Results(MACHINE, cells))
+    (few,) = [row for row in text.splitlines() if "quick : ours, 10³" in row]
+    (many,) = [row for row in text.splitlines() if "quick : ours, 10⁵" in row]
+    assert "**no**, by 1.25 ×" in few
+    assert "| yes" in many
+
+
 # -- the guard -------------------------------------------------------------------------------------
 
 
