@@ -116,8 +116,9 @@ def beside(
     names: str = "",
     curve: str = "",
     tolerance: float | None = None,
+    exactly: bool = False,
 ) -> Reading:
-    """Read ours : peer."""
+    """Read ours : peer, whose name contains ``peer`` or is it exactly."""
 
     def read(results: Results) -> Iterator[Found]:
         chosen = cells(results, workload, *sizes, curve=curve)
@@ -125,7 +126,9 @@ def beside(
             chosen = (cell for cell in results.of(workload) if cell.tolerance == tolerance)
         for cell in chosen:
             for other in cell.peers:
-                for entry in cell.ours if peer in other.name else ():
+                if peer != other.name if exactly else peer not in other.name:
+                    continue
+                for entry in cell.ours:
                     ratio = cell.ratio(entry, other)
                     if names in entry.name and ratio:
                         yield 1 / ratio, place(cell, entry)
@@ -240,11 +243,17 @@ GOALS: tuple[Goal, ...] = (
         0.25,
         beside("first-view", "splprep", 10_000, 100_000, curve="coast"),
     ),
-    Goal(
-        "first view",
-        "control points : searched splprep",
-        1.1,
-        beside("control-points", "splprep, chords too", names="nurbs"),
+    *(
+        Goal(
+            "first view",
+            f"control points : searched splprep {text}",
+            1.1,
+            beside("control-points", name, names="nurbs", exactly=True),
+        )
+        for name, text in (
+            ("splprep", "(within ε; a view is within ε/2)"),
+            ("splprep, half the tolerance", "within ε/2, too"),
+        )
     ),
     Goal(
         "first view",
