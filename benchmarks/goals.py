@@ -184,7 +184,7 @@ GOALS: tuple[Goal, ...] = (
     ),
     Goal(
         "memory",
-        "1 000 undo steps : all views",
+        "1 000 undo steps : all views, n = 10⁶",
         0.1,
         beside("history", "all views"),
     ),
