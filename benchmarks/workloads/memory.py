@@ -37,6 +37,7 @@ def everything(case: Case) -> Iterator[Contestant]:
 def history(case: Case) -> Iterator[Contestant]:
     """What a thousand undo steps add, in one place and all over."""
     points = vertices(case.curve, case.size)
+    make(points[: case.size // 10], case.tolerance)
     with traced() as whole:
         curve = make(points, case.tolerance)
     for name, places in {
