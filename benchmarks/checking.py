@@ -11,8 +11,6 @@ from benchmarks.tables import markdown, number
 
 #: A ratio may become this much smaller: a loss of a third.
 KEPT = 2 / 3
-#: Sizes whose times are compared with each other.
-SMALL, LARGE = 1000, 100_000
 
 
 @frozen
@@ -37,14 +35,8 @@ def ratios(results: Results) -> dict[tuple[str, ...], float]:
                 ratio = cell.ratio(ours, peer)
                 if ratio is not None:
                     found[cell.workload, where, f"{peer.name} : {ours.name}"] = ratio
-            if cell.size != SMALL or ours.unit != "s":
-                continue
-            for large in results.of(cell.workload):
-                same = (large.curve, large.tolerance) == (cell.curve, cell.tolerance)
-                for entry in large.ours if same and large.size == LARGE else ():
-                    if entry.name == ours.name and entry.median and ours.median:
-                        what = f"{ours.name}, n = {SMALL} : n = {LARGE}"
-                        found[cell.workload, cell.curve, what] = ours.median / entry.median
+            if ours.growth:
+                found[cell.workload, where, f"{ours.name}, 10³ : here"] = 1 / ours.growth
     return found
 
 

@@ -78,18 +78,13 @@ def times_faster(workload: str, peer: str, *sizes: int) -> Reading:
     return read
 
 
-def growth(workload: str, small: int, *large: int, names: str = "") -> Reading:
-    """Read t(large) : t(small) of ours, for the largest of ``large`` that was measured."""
+def growth(workload: str) -> Reading:
+    """Read t(n) : t(10^3) of ours at the largest n that was measured."""
 
     def read(results: Results) -> Iterator[Found]:
-        for cell in cells(results, workload, small):
-            found = [c for c in cells(results, workload, *large) if c.curve == cell.curve]
-            last = max(found, key=lambda c: c.size, default=cell)
-            after = {entry.name: entry.median for entry in last.ours}
-            for entry in cell.ours:
-                later = after.get(entry.name)
-                if last is not cell and names in entry.name and later and entry.median:
-                    yield later / entry.median, place(last, entry)
+        largest = max((cell.size for cell in cells(results, workload)), default=0)
+        for cell in cells(results, workload, largest):
+            yield from ((e.growth, place(cell, e)) for e in cell.ours if e.growth)
 
     return read
 

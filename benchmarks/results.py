@@ -29,12 +29,28 @@ class Entry:
     high: float | None = None
     samples: int = 1
     why: str = ""
+    #: The median at n = 10^3 in the same turns, where this is a large case.
+    small: float | None = None
 
     @classmethod
-    def of(cls, name: str, samples: list[float], *, ours: bool, unit: str = "s") -> Entry:
+    def of(
+        cls,
+        name: str,
+        samples: list[float],
+        *,
+        ours: bool,
+        unit: str = "s",
+        small: list[float] | None = None,
+    ) -> Entry:
         """Summarise samples."""
         low, median, high = (_rounded(x) for x in np.quantile(samples, [0.25, 0.5, 0.75]))
-        return cls(name, ours, unit, median, low, high, len(samples))
+        reference = None if small is None else _rounded(float(np.median(small)))
+        return cls(name, ours, unit, median, low, high, len(samples), small=reference)
+
+    @property
+    def growth(self) -> float | None:
+        """t(this size) : t(10^3)."""
+        return self.median / self.small if self.median and self.small else None
 
 
 @frozen

@@ -59,8 +59,13 @@ def measured(
         for contestant in workload.contestants(case)
     ]
     timed = [c for c in contestants if isinstance(c, Timed)]
-    watches = iter(in_turns(timed, budget=budget))
-    entries = tuple(_entry(next(watches) if isinstance(c, Timed) else c) for c in contestants)
+    references = workload.references(case)
+    watches = in_turns([*timed, *references], budget=budget)
+    small = {watch.contestant.name: watch.samples for watch in watches[len(timed) :]}
+    turns = iter(watches)
+    entries = tuple(
+        _entry(next(turns) if isinstance(c, Timed) else c, small.get(c.name)) for c in contestants
+    )
     return Cell(workload.name, case.curve, case.size, case.tolerance, entries)
 
 
@@ -95,7 +100,7 @@ def _within(limit: float, contestant: Contestant, seconds: float) -> Contestant:
     return Absent(contestant.name, TOO_SLOW + about)
 
 
-def _entry(contestant: Stopwatch | Counted | Absent) -> Entry:
+def _entry(contestant: Stopwatch | Counted | Absent, small: list[float] | None) -> Entry:
     match contestant:
         case Absent(name, why):
             return Entry(name, why=why)
@@ -104,7 +109,7 @@ def _entry(contestant: Stopwatch | Counted | Absent) -> Entry:
         case Stopwatch(contestant=Timed(name=name, ours=ours)):
             if contestant.failure:
                 return Entry(name, ours, why=contestant.failure)
-            return Entry.of(name, contestant.samples, ours=ours)
+            return Entry.of(name, contestant.samples, ours=ours, small=small if ours else None)
 
 
 def machine(copies: Sequence[float]) -> dict[str, str | float]:

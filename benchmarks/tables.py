@@ -28,7 +28,8 @@ def beside_peers(cells: Sequence[Cell], names: Container[str]) -> list[list[str]
     peers = dict.fromkeys(e.name for cell in cells for e in cell.peers if e.name in names)
     heads = headings(cells)
     ratios = [f"{name} : ours" for name in peers]
-    rows = [[*heads, "what", *ratios, "ours", *peers]]
+    grown = ["t : t(10³)"] if any(e.growth for cell in cells for e in cell.ours) else []
+    rows = [[*heads, "what", *ratios, *grown, "ours", *peers]]
     for cell in cells:
         found = {entry.name: entry for entry in cell.peers}
         for ours in cell.ours:
@@ -41,6 +42,7 @@ def beside_peers(cells: Sequence[Cell], names: Container[str]) -> list[list[str]
                     *(read(cell) for read in heads.values()),
                     ours.name,
                     *(NOTHING if e is None else number(pairs[ours.name, e.name]) for e in here),
+                    *((number(ours.growth) if ours.growth else NOTHING) for _ in grown),
                     with_spread(ours),
                     *(NOTHING if e is None else quantity(e) for e in here),
                 ]
@@ -60,7 +62,7 @@ def by_case(cells: Sequence[Cell], names: Sequence[str]) -> list[list[str]]:
     rows = [["", *(", ".join(f"{h} {heads[h](cell)}" for h in heads) for cell in cells)]]
     for name in names:
         found = [next((e for e in cell.ours if e.name == name), None) for cell in cells]
-        rows.append([name, *(NOTHING if e is None else with_spread(e) for e in found)])
+        rows.append([name, *(NOTHING if e is None else with_growth(e) for e in found)])
     return [list(row) for row in zip(*rows, strict=True)] if len(cells) > len(names) else rows
 
 
@@ -98,6 +100,12 @@ def with_spread(entry: Entry) -> str:
     return (
         f"{quantity(entry)} ({in_unit(entry.low, entry.unit)} – {in_unit(entry.high, entry.unit)})"
     )
+
+
+def with_growth(entry: Entry) -> str:
+    """Return a number with its spread, and how it grew from n = 10³ on, where that is known."""
+    grown = f"; {number(entry.growth)} × t(10³)" if entry.growth else ""
+    return with_spread(entry) + grown
 
 
 def in_unit(value: float, unit: str) -> str:

@@ -10,6 +10,9 @@ from attrs import evolve, frozen
 
 #: Sizes of a run, and those that only a full one adds.
 SIZES, FULL_SIZES = (100, 1000, 10_000, 100_000), (1_000_000,)
+#: From the large size on, ours at the small size takes turns with the others: so the growth is a
+#: ratio of one moment, too.
+SMALL, LARGE = 1000, 100_000
 
 
 @frozen
@@ -90,6 +93,13 @@ class Workload:
     cases: Sequence[Case]
     contestants: Callable[[Case], Iterable[Contestant]]
     checked: Sequence[Case] = ()
+
+    def references(self, case: Case) -> list[Timed]:
+        """Return ours at the small size, to take turns with a large case; else none."""
+        small = evolve(case, size=SMALL, full=False)
+        if case.size < LARGE or small not in self.cases:
+            return []
+        return [c for c in self.contestants(small) if isinstance(c, Timed) and c.ours]
 
 
 def sweep(
