@@ -9,6 +9,7 @@ from typing import Any
 import attrs
 
 from multirep.aim import TURNED, Aim, misses, turns
+from multirep.asking import frozen_of, region_of
 from multirep.conflicts import smallest_release
 from multirep.constraint import Constraint
 from multirep.edit import Edit
@@ -25,7 +26,7 @@ from multirep.outcome import Outcome, measured_work
 from multirep.reparameterization import ParameterMap
 from multirep.representation import Representation
 from multirep.scene import Scene
-from multirep.settling import Settlement, guarded, region_of, settle
+from multirep.settling import Settlement, settle
 from multirep.splices import SpliceList
 from multirep.state import State
 from multirep.synchronization import check_edit
@@ -140,7 +141,7 @@ class Framework:
             value = target.view(constraint.needs)
             region = SpliceList([region_of(name, constraint, value)])
             settlement = settle(target, self._constraints[curve], region, self._scene(target))
-            frozen = guarded(name, constraint.frozen, target.view(constraint.needs))
+            frozen = frozen_of(name, constraint, target.view(constraint.needs))
             if frozen:
                 target.freeze(name, frozen)
         return settlement
@@ -239,8 +240,18 @@ class Framework:
     def _rearrange(self, curve: str, tool: Tool[Any]) -> None:
         """Add, replace and release the constraints that a tool asks for."""
         target, constraints = self._curves[curve], self._constraints[curve]
-        value = target.view(tool.edits)
-        for name, constraint in _of_tool(tool, tool.constrains, value, dict(constraints)).items():
+        asked = _of_tool(tool, tool.constrains, target.view(tool.edits), dict(constraints))
+        if not (
+            isinstance(asked, Mapping)
+            and all(isinstance(name, str) for name in asked)
+            and all(isinstance(one, Constraint | None) for one in asked.values())
+        ):
+            raise PluginError(
+                f"tool {tool.name!r} constrains {asked!r}; it must be a mapping of names to "
+                "constraints or None",
+                tool.name,
+            )
+        for name, constraint in asked.items():
             if name in constraints:
                 self.release(curve, name)
             if constraint is not None:
@@ -252,7 +263,7 @@ class Framework:
         value: Representation = target.view(tool.edits)
         by = f"tool {tool.name!r}"
         edit: Edit[Any] = _of_tool(tool, tool.edit, value, self._scene(target))
-        aims: tuple[Aim, ...] = _of_tool(tool, tool.aims, value) if constrained else ()
+        aims = _aims_of(tool, value) if constrained else ()
         faded = SpliceList.EMPTY
         try:
             if target.frozen:
@@ -347,6 +358,15 @@ def _of_tool(tool: Tool[Any], method: Callable[..., Any], *arguments: Any) -> An
         raise PluginError(
             f"tool {tool.name!r} failed with {type(error).__name__}: {error}", tool.name
         ) from error
+
+
+def _aims_of(tool: Tool[Any], value: Representation) -> tuple[Aim, ...]:
+    aims = _of_tool(tool, tool.aims, value)
+    if isinstance(aims, tuple | list) and all(isinstance(aim, Aim) for aim in aims):
+        return tuple(aims)
+    raise PluginError(
+        f"tool {tool.name!r} has the aims {aims!r}; they must be a tuple of Aim", tool.name
+    )
 
 
 def _fresh(kind: str, taken: Mapping[str, object]) -> str:

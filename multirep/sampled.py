@@ -59,6 +59,22 @@ class SampledSplice:
             raise InvalidCurveError("the parameters of a sampled splice must increase strictly")
         if not np.isfinite(self.points).all():
             raise InvalidCurveError("the points of a sampled splice must be finite")
+        if self.bound < 0:
+            raise InvalidCurveError(f"a bound is 0 or more, got {self.bound!r}")
+        if self.chord_bounds is not None:
+            self._check_chord_bounds(self.chord_bounds)
+
+    def _check_chord_bounds(self, bounds: Array) -> None:
+        if bounds.shape != (len(self.t) - 1,):
+            raise InvalidCurveError(
+                f"a sampled splice with {len(self.t)} samples has {len(self.t) - 1} chords, "
+                f"got chord bounds of shape {bounds.shape}"
+            )
+        if bounds.min() < 0 or bounds.max() > self.bound:
+            raise InvalidCurveError(
+                f"chord bounds are between 0 and the bound, which is {self.bound!r}; "
+                f"got {float(bounds.min())!r} to {float(bounds.max())!r}"
+            )
 
     @property
     def interval(self) -> Interval:

@@ -10,13 +10,14 @@ in conflict with those on the cycle.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from typing import TYPE_CHECKING, Any, TypeVar
+from collections.abc import Iterable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any
 
 import attrs
 import numpy as np
 
 from multirep.aim import TURNED, misses, turns
+from multirep.asking import guarded, region_of, residual_of
 from multirep.conflicts import conflict, opposed, shortest_cycle
 from multirep.constraint import Constraint
 from multirep.edit import Edit
@@ -37,8 +38,6 @@ from multirep.synchronization import check_edit
 
 if TYPE_CHECKING:
     import networkx
-
-T = TypeVar("T")
 
 #: A condition holds when its residual is below this part of the size of the curve, plus rounding.
 HOLDS = 1e-9
@@ -174,19 +173,9 @@ class _Loop:
         value = self.value(name)
         if name in self.residuals and self.residuals[name][0] is value:
             return self.residuals[name][1]
-        residual = guarded(name, self.constraints[name].residual, value)
-        try:
-            number = float(residual)
-        except (TypeError, ValueError):
-            number = np.nan
-        if not number >= 0:
-            raise PluginError(
-                f"constraint {name!r} returned the residual {residual!r}; "
-                "it must be a number from 0 upwards",
-                name,
-            )
-        self.residuals[name] = value, number
-        return number
+        residual = residual_of(name, self.constraints[name], value)
+        self.residuals[name] = value, residual
+        return residual
 
     def threshold(self, name: str) -> float:
         kind = self.constraints[name].needs.name
@@ -349,24 +338,3 @@ class _Loop:
                 names = near or list(self.first)
                 residuals = {n: self.first[n] for n in names}
                 raise opposed(by, aim, missed, self.claims(names), residuals)
-
-
-def region_of(name: str, constraint: Constraint[Any], value: Representation) -> Interval:
-    """Return what a constraint claims, checked and cut to T."""
-    claim = guarded(name, constraint.region, value)
-    try:
-        return Interval.of(claim).clipped(value.domain)
-    except MultirepError as error:
-        raise PluginError(f"constraint {name!r} claims {claim!r}: {error}", name) from error
-
-
-def guarded(name: str, method: Callable[..., T], *arguments: Any) -> T:
-    """Call a method of a constraint; whatever it raises becomes an error that names it."""
-    try:
-        return method(*arguments)
-    except MultirepError:
-        raise
-    except Exception as error:
-        raise PluginError(
-            f"constraint {name!r} failed with {type(error).__name__}: {error}", name
-        ) from error

@@ -18,6 +18,7 @@ from hypothesis import strategies as st
 
 import multirep as mr
 from multirep.constraint import Constraint
+from multirep.constraints import Freeze
 from multirep.edit import Edit
 from multirep.errors import MultirepError, PluginError, RegistrationError, ToleranceError
 from multirep.interval import Interval
@@ -123,6 +124,31 @@ def test_a_tool_whose_edit_goes_wrong_changes_nothing(fault: tuple[str, Any]) ->
     with pytest.raises(MultirepError, match="broken-tool"):
         session.apply("curve", Broken())
     check_unharmed(session, before)
+
+
+@quiet
+@given(fault=faults, method=st.sampled_from(["aims", "constrains"]))
+def test_a_tool_that_answers_nonsense_changes_nothing(fault: tuple[str, Any], method: str) -> None:
+    """Also what it says beside its edit is checked before anything is done with it."""
+
+    @attrs.frozen
+    class Broken(RecordingTool):
+        name = "broken-tool"
+
+    setattr(Broken, method, spoilt(fault))
+    assume(not (fault[0] == "returns" and _says_nothing(method, fault[1])))
+    session = session_with(Polyline)
+    session.constrain("curve", Freeze(interval=(0.0, 0.125)), name="ice")
+    before = session.curve("curve").snapshot()
+    with pytest.raises(MultirepError, match="broken-tool"):
+        session.apply("curve", Broken(index=30, offset=(0.0, 0.25)))
+    check_unharmed(session, before, steps=1)
+
+
+def _says_nothing(method: str, answer: Any) -> bool:
+    """No aims, or no constraints: as sound as it gets."""
+    kinds = (tuple, list) if method == "aims" else (dict,)
+    return isinstance(answer, kinds) and not answer
 
 
 starts = st.integers(0, 63).map(lambda k: k / 64)
@@ -310,9 +336,11 @@ def test_a_constraint_that_goes_wrong_is_not_added(fault: tuple[str, Any], metho
     curve = session.curve("curve")
     before = curve.snapshot()
     how, what = fault
-    if how == "returns" and method != "enforce":
-        # whether a number, a list or an interval is what was meant cannot always be told
-        assume(method == "region" and not isinstance(what, Interval))
+    if how == "returns":
+        # what may be meant so: 0, or an interval that is cut to T
+        assume(not (method == "residual" and isinstance(what, int)))
+        assume(not (method == "region" and isinstance(what, Interval)))
+        assume(not (method == "frozen" and what is SpliceList.EMPTY))
     with pytest.raises(MultirepError) as caught:
         session.constrain("curve", Broken(), name="mine")
     assert re.search(r"mine|broken-constraint", str(caught.value)) or what is ERRORS[-1]

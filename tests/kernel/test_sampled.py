@@ -93,3 +93,19 @@ def test_malformed_samples_are_refused(t: object, points: object, message: str) 
     """Wrong shapes, disorder and numbers that are not finite raise InvalidCurveError."""
     with pytest.raises(InvalidCurveError, match=message):
         SampledSplice(t, points)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    ("bound", "chords", "message"),
+    [
+        (-1.0, None, "0 or more, got -1.0"),
+        (1.0, [0.5], r"3 samples has 2 chords, .* shape \(1,\)"),
+        (1.0, [[0.5, 0.5]], r"shape \(1, 2\)"),
+        (1.0, [0.5, 2.0], "the bound, which is 1.0; got 0.5 to 2.0"),
+        (1.0, [-0.5, 1.0], "got -0.5 to 1.0"),
+    ],
+)
+def test_malformed_certificates_are_refused(bound: float, chords: object, message: str) -> None:
+    """A bound for each chord, none negative or above that of the whole."""
+    with pytest.raises(InvalidCurveError, match=message):
+        SampledSplice([0, 1, 2], np.zeros((3, 2)), bound, (), chords)  # type: ignore[arg-type]
