@@ -9,7 +9,9 @@ for all.
 
 Claims that overlap are one stretch. When one of them is released, a border of another may lie
 where nothing was prepared, and may not be prepared any more, for that would change bits; then the
-stretch stays frozen up to the next place where every representation can stop.
+stretch stays frozen up to the next place where every representation can stop. That cannot be less:
+a spline that is to keep its bits on a part of a span is the same polynomial on all of it. Releasing
+the other one too and freezing it anew frees the rest.
 """
 
 from __future__ import annotations
@@ -27,6 +29,7 @@ from multirep.representation import Representation
 from multirep.splices import SpliceList
 from multirep.state import Held, State
 from multirep.synchronization import hop
+from multirep.tidying import bare_values, tidied
 
 #: How often a stretch may grow before every representation can hold it. Two kinds that cannot stop
 #: anywhere need two; more only delays the report of two that never agree.
@@ -70,7 +73,7 @@ def without_claim(
         if claims
         else attrs.evolve(state, claims={}, frozen=SpliceList.EMPTY)
     )
-    return _tidied(after, emit) if tidy else after
+    return tidied(after, emit) if tidy else after
 
 
 def claimed(claims: Iterable[SpliceList]) -> SpliceList:
@@ -96,9 +99,16 @@ def frozen_error(state: State, splices: SpliceList, who: str) -> FrozenError:
     listed = " and ".join(map(repr, names))
     overlap = (splices & state.frozen) or splices
     shown = overlap if len(overlap) <= MOST_SHOWN else SpliceList([overlap.hull])
+    beyond = overlap - claimed(state.claims.values())
+    why = ""
+    if beyond.length > NEAR * state.authors.domain.length:
+        why = (
+            f", more than was asked for: with {beyond} changed, representations could not keep the "
+            "bits beside it; released and frozen anew, it would leave most of that free"
+        )
     return FrozenError(
         f"{who} would change {shown}, which {listed} "
-        f"{'keeps' if len(names) == 1 else 'keep'} frozen",
+        f"{'keeps' if len(names) == 1 else 'keep'} frozen{why}",
         constraints=names,
         residuals=dict.fromkeys(names, 0.0),
         where={name: state.claims[name] for name in names},
@@ -132,6 +142,7 @@ def _prepared(
     settled = SpliceList(
         part for part in state.frozen if not SpliceList([part]).intersects(touched)
     )
+    plain = bare_values(state)
     state, frozen = _bordered(state, settled, claimed(claims.values()), keep, emit)
     values = _values(state)
     added = {kind: dict(ends) for kind, ends in state.added.items()}
@@ -144,7 +155,8 @@ def _prepared(
             for end, count in new.items():
                 counts[end] = counts.get(end, 0) + count
     kinds = {kind: Held(values[kind], held.stale) for kind, held in state.held.items()}
-    return attrs.evolve(state, held=kinds, claims=claims, frozen=frozen, added=added)
+    bare = {kind: (values[kind], value) for kind, value in plain.items()}
+    return attrs.evolve(state, held=kinds, claims=claims, frozen=frozen, added=added, bare=bare)
 
 
 def _values(state: State) -> dict[str, Representation]:
@@ -221,26 +233,6 @@ def _held(
             added[end] = edit.value.size - value.size
         value = edit.value
     return value, added
-
-
-def _tidied(state: State, emit: Callable[[Event], None]) -> State:
-    """Take back the controls at ends of stretches that are frozen no more."""
-    ends = {end for part in state.frozen for end in part}
-    added: dict[str, dict[float, int]] = {}
-    for kind, counts in state.added.items():
-        value = state.held[kind].value
-        assert value is not None
-        waiting = {end: count for end, count in counts.items() if end in ends}
-        for end in sorted(set(counts) - ends):
-            edit = value.released(end, counts[end])
-            if edit.splices.intersects(state.frozen):
-                waiting[end] = counts[end]  # inside of what another one froze
-            elif edit.splices:
-                value = edit.value
-                emit(Prepared(kind, edit.splices))
-        added[kind] = waiting
-        state = state.with_held(kind, Held(value, state.held[kind].stale))
-    return attrs.evolve(state, added=added)
 
 
 def _grown(

@@ -117,6 +117,7 @@ class Representation(abc.ABC):
     def released(self, t: float, count: int) -> Edit[Self]:
         """Take back controls that :meth:`held` put at ``t``, as far as nothing needs them now.
 
+        ``t`` is an end of the guard that it gave, and is no end of a frozen stretch any more.
         Returns the same curve up to rounding without ``count`` controls, or fewer, or with all of
         them. The default changes nothing.
         """

@@ -35,6 +35,8 @@ class State:
         needs to hold them still (:meth:`~multirep.Representation.held`).
     added : mapping of str to mapping of float to int
         How many controls each kind got at the ends of frozen stretches, to be taken back later.
+    bare : mapping of str to pair of Representation
+        The value that each kind got for a stretch to be frozen, and the one from before.
     """
 
     tolerance: float
@@ -43,6 +45,7 @@ class State:
     claims: Mapping[str, SpliceList] = attrs.field(factory=dict)
     frozen: SpliceList = SpliceList.EMPTY
     added: Mapping[str, Mapping[float, int]] = attrs.field(factory=dict)
+    bare: Mapping[str, tuple[Representation, Representation]] = attrs.field(factory=dict)
 
     def with_held(self, name: str, held: Held) -> State:
         """Return the state with another value of one kind."""

@@ -12,7 +12,7 @@ from multirep.edit import Edit
 from multirep.errors import EditError, InvalidCurveError, ToleranceError
 from multirep.interval import Interval
 from multirep.representation import Representation
-from multirep.representations.wavelet import details, holding, levels, splicing
+from multirep.representations.wavelet import details, holding, levels, releasing, splicing
 from multirep.representations.wavelet.data import read, written
 from multirep.representations.wavelet.filters import level_of
 from multirep.representations.wavelet.graded import Graded, clamped, differences
@@ -234,6 +234,13 @@ class WaveletBSpline(Representation):
         # One end at a time: what lies between them does not change.
         splices = differences(self._graded, left) | differences(left, graded)
         return Edit(edit.value, splices), Interval(before.start, after.stop)
+
+    def released(self, t: float, count: int) -> Edit[Self]:
+        """Remove the knots that :meth:`held` inserted at ``t``, unless the curve bends there now.
+
+        See :meth:`Representation.released`.
+        """
+        return self._edit(releasing.released(self._graded, t, count))
 
     def changes(self, other: Self) -> SpliceList:
         """Where this value and ``other`` may differ; O(changed blocks)."""

@@ -130,21 +130,67 @@ def test_not_a_bit_changes_through_any_edits(
     assert bits(curve, start, stop) + stored(curve, start, stop) == before
 
 
-def test_a_freeze_and_its_release_leave_no_trace() -> None:
-    """Helper vertices and knots are taken back; the curve is what it was, up to rounding."""
+ENDS = st.lists(st.floats(0, 1), min_size=2, max_size=2, unique=True).map(sorted)
+
+
+@settings(max_examples=25)
+@given(st.lists(ENDS, min_size=1, max_size=3), st.randoms(use_true_random=False))
+def test_freezes_and_their_release_leave_no_trace(
+    stretches: list[list[float]], random: Any
+) -> None:
+    """Any number, overlapping or not, released in any order: not a bit is different."""
     curve = wave()
     values = {kind: curve.view(kind) for kind in KINDS}
-    curve.freeze("ice", Interval(0.31, 0.47))
-    assert curve.view(Polyline).size == values[Polyline].size + 2
-    assert curve.view(Nurbs).size == values[Nurbs].size + 2 * values[Nurbs].degree
-    curve.thaw("ice")
-    t = np.linspace(0, 1, 500)
+    for name, (a, b) in enumerate(stretches):
+        curve.freeze(str(name), Interval(a, b))
+    for name in random.sample(range(len(stretches)), len(stretches)):
+        curve.thaw(str(name))
     for kind, value in values.items():
-        np.testing.assert_allclose(curve.view(kind)(t), value(t), atol=1e-14)
-    assert curve.view(Polyline).size == values[Polyline].size
-    assert curve.view(Nurbs).size == values[Nurbs].size
+        assert curve.view(kind) is value
     assert not curve.frozen
     assert not curve.claims
+
+
+@pytest.mark.parametrize("tool", [0, 1, 2])
+def test_helper_controls_are_taken_back_after_edits_elsewhere(tool: int) -> None:
+    """Helper vertices and knots are gone; the curve is what it was there, up to rounding."""
+    made = session()
+    made.constrain("c", Freeze(interval=(0.11, 0.27)), name="ice")
+    curve = made.curve("c")
+    t = np.linspace(*curve.frozen.hull, 100)
+    before = {kind: curve.view(kind)(t) for kind in KINDS}
+    value, polyline = curve.view(KINDS[tool]), curve.view(Polyline)
+    edit: Any = (
+        MoveVertex(index=60, to=shifted(polyline.points[60], 0, 0.1)),
+        DirectManipulation(t=0.75, to=shifted(value(0.75), 0.0, 0.1)),
+        Sweep(t=0.75, to=shifted(value(0.75), 0.0, 0.1), level=5),
+    )[tool]
+    made.apply("c", edit)
+    sizes = {kind: curve.view(kind).size for kind in KINDS}
+    made.release("c", "ice")
+    for kind, freed in ((Polyline, 2), (Nurbs, 6), (WaveletBSpline, 6)):
+        assert curve.view(kind).size == sizes[kind] - freed
+        np.testing.assert_allclose(curve.view(kind)(t), before[kind], rtol=0, atol=1e-13)
+
+
+def test_what_stays_frozen_beside_a_released_freeze_is_free_when_frozen_anew() -> None:
+    """Bits keep more than was asked for, and the error says so; anew it is a sliver."""
+    made = session()
+    made.constrain("c", Freeze(interval=(0.0, 1.0)), name="all")
+    made.constrain("c", Freeze(interval=(0.3, 0.4)), name="ears")
+    curve, ears = made.curve("c"), SpliceList([(0.3, 0.4)])
+    kept = bits(curve, 0.3, 0.4)
+    made.release("c", "all")
+    assert bits(curve, 0.3, 0.4) == kept
+    assert (curve.frozen - ears).length > 0.1
+    t = float(curve.frozen.hull.stop) - 0.01
+    move = DirectManipulation(t=t, to=shifted(curve.view(Nurbs)(t), 0.0, 0.05))
+    with pytest.raises(FrozenError, match=r"'ears' keeps frozen, more than was asked for.*anew"):
+        made.apply("c", move)
+    made.release("c", "ears")
+    made.constrain("c", Freeze(interval=(0.3, 0.4)), name="ears")
+    assert (curve.frozen - ears).length < 5e-3
+    made.apply("c", move)
 
 
 def test_freezes_that_overlap_outlive_each_other() -> None:
