@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, NoReturn
 import click
 
 from multirep import __version__
-from multirep.errors import MissingExtraError, MultirepError, ScriptError
+from multirep.errors import ConflictError, MissingExtraError, MultirepError, ScriptError
 
 if TYPE_CHECKING:
     from multirep.script.running import Result
@@ -40,6 +40,11 @@ class _Commands(click.Group):
 def _fail(error: MultirepError) -> NoReturn:
     """Print an error and leave: 1 when the work failed, 2 when the input is wrong."""
     click.echo(f"multirep: {error}", err=True)
+    if isinstance(error.__cause__, ConflictError):
+        from multirep.conflicts import details
+
+        for line in details(error.__cause__):
+            click.echo(f"  {line}", err=True)
     wrong = isinstance(error, ScriptError | MissingExtraError)
     raise SystemExit(2 if wrong else 1)
 

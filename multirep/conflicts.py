@@ -39,6 +39,22 @@ def conflict(
     )
 
 
+def details(error: ConflictError) -> list[str]:
+    """Return a line for each constraint of a conflict: its name, where it is, what it is off by.
+
+    Examples
+    --------
+    >>> claims = {"ear": SpliceList([(0.25, 0.5)])}
+    >>> details(conflict("does not hold", claims, {"ear": 0.125}))
+    ["'ear' on [1/4,1/2], off by 0.125"]
+    """
+    return [
+        f"{name!r} on {error.where.get(name, 'the curve')}"
+        + (f", off by {error.residuals[name]:.3g}" if error.residuals.get(name) else "")
+        for name in error.constraints
+    ]
+
+
 def opposed(
     by: str,
     aim: Aim,

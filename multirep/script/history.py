@@ -8,6 +8,7 @@ from time import perf_counter
 from attrs import frozen
 
 from multirep.arrays import Array
+from multirep.errors import ConflictError
 from multirep.multirepresentation import MultiRepresentation
 from multirep.outcome import Outcome, Work
 from multirep.script.drawn import strokes_of
@@ -29,7 +30,11 @@ from multirep.splices import SpliceList
 
 @frozen(eq=False)
 class StepResult:
-    """What a step did, where it changed its curve (None: several), and the residuals."""
+    """What a step did, where it changed its curve (None: several), and the residuals.
+
+    ``rounds`` of re-establishing constraints that took; ``faded`` are the frozen stretches before
+    which it was faded out; ``conflict`` is what came of it if it changed nothing for that.
+    """
 
     index: int
     what: str
@@ -38,6 +43,9 @@ class StepResult:
     seconds: float
     work: dict[str, int]
     constraints: tuple[tuple[str, float], ...] = ()
+    rounds: int = 0
+    faded: SpliceList = SpliceList.EMPTY
+    conflict: ConflictError | None = None
 
 
 @frozen(eq=False)
@@ -76,7 +84,13 @@ class History:
             seconds = perf_counter() - begin
             return StepResult(step.index, "view", step.curve, SpliceList.EMPTY, seconds, {})
         before = self.session.undoable
-        outcome = self._outcome(step)
+        conflict: ConflictError | None = None
+        try:
+            outcome = self._outcome(step)
+        except ConflictError as error:
+            if not getattr(step, "may_conflict", False):
+                raise
+            outcome, conflict = Outcome(SpliceList.EMPTY, NO_WORK), error
         if self.session.undoable > before:  # adding a first curve is no step of the session
             strokes = strokes_of(step)
             self.done.append(Done(step.curve, step.index, outcome.changed, strokes))
@@ -88,7 +102,18 @@ class History:
         residuals = tuple((held.name, held.residual) for held in outcome.constraints)
         seconds = perf_counter() - begin
         what = what_of(step)
-        return StepResult(step.index, what, step.curve, outcome.changed, seconds, work, residuals)
+        return StepResult(
+            step.index,
+            what,
+            step.curve,
+            outcome.changed,
+            seconds,
+            work,
+            residuals,
+            outcome.rounds,
+            outcome.faded,
+            conflict,
+        )
 
     def _outcome(self, step: Step) -> Outcome:
         session = self.session
@@ -126,7 +151,9 @@ class History:
             sum(work.seconds for work in works),
         )
         last = {held.name: held for outcome in outcomes for held in outcome.constraints}
-        return Outcome(changed, work, tuple(last.values()))
+        rounds = sum(outcome.rounds for outcome in outcomes)
+        faded = SpliceList(splice for outcome in outcomes for splice in outcome.faded)
+        return Outcome(changed, work, tuple(last.values()), rounds, faded)
 
     def _view(self, step: ViewStep) -> None:
         for kind in step.kinds:

@@ -99,6 +99,9 @@ class CurveSpec:
     added: bool = False
 
 
+# Of a step with ``may_conflict``, a conflict is reported and changes nothing; else it ends the run.
+
+
 @frozen
 class ToolStep:
     """Apply a tool: ``tool`` is the structured, validated instance."""
@@ -108,6 +111,7 @@ class ToolStep:
     name: str
     tool: Any
     line: int | None = None
+    may_conflict: bool = False
 
 
 @frozen
@@ -120,6 +124,7 @@ class ConstrainStep:
     constraint: Any
     name: str | None = None
     line: int | None = None
+    may_conflict: bool = False
 
 
 @frozen
@@ -159,6 +164,7 @@ class ToleranceStep:
     curve: str
     tolerance: float = field(validator=validators.gt(0))
     line: int | None = None
+    may_conflict: bool = False
 
 
 @frozen
@@ -190,6 +196,7 @@ class GestureStep:
     curve: str
     parts: tuple[ToolStep | ViewStep, ...]
     line: int | None = None
+    may_conflict: bool = False
 
 
 Step = (

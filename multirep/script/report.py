@@ -10,10 +10,12 @@ from typing import Any
 
 import numpy as np
 
+from multirep.errors import ConflictError
 from multirep.representation import Representation
 from multirep.script.history import StepResult
 from multirep.script.reading import FORMAT
 from multirep.script.running import CurveResult, Result
+from multirep.splices import SpliceList
 
 
 def report(result: Result) -> dict[str, Any]:
@@ -55,15 +57,40 @@ def _curve(curve: CurveResult) -> dict[str, Any]:
 
 
 def _step(step: StepResult) -> dict[str, Any]:
-    return {
+    entry: dict[str, Any] = {
         "index": step.index,
         "what": step.what,
         "curve": step.curve,
-        "changed": [[float(splice.start), float(splice.stop)] for splice in step.changed],
+        "changed": _pairs(step.changed),
         "seconds": step.seconds,
         "work": step.work,
+        "rounds": step.rounds,
+        "faded": _pairs(step.faded),
         "constraints": [{"name": name, "residual": float(r)} for name, r in step.constraints],
     }
+    if step.conflict is not None:
+        entry["conflict"] = _conflict(step.conflict)
+    return entry
+
+
+def _conflict(error: ConflictError) -> dict[str, Any]:
+    return {
+        "message": str(error),
+        "constraints": [
+            {
+                "name": name,
+                "where": _pairs(error.where.get(name, SpliceList.EMPTY)),
+                "residual": float(error.residuals.get(name, 0.0)),
+            }
+            for name in error.constraints
+        ],
+        "cycle": list(error.cycle),
+        "release": list(error.release),
+    }
+
+
+def _pairs(splices: SpliceList) -> list[list[float]]:
+    return [[float(splice.start), float(splice.stop)] for splice in splices]
 
 
 def _geometry(representation: Representation) -> dict[str, Any] | None:

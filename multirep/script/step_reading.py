@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-from attrs import field, frozen, validators
+from attrs import evolve, field, frozen, validators
 
 from multirep.errors import MultirepError, UnknownNameError
 from multirep.interval import Interval
@@ -76,6 +76,10 @@ class StepReader:
             Names the key, what was found and what is allowed.
         """
         kind = _kind(table, STEP_KINDS, "a step")
+        if "may_conflict" in table and kind in ("tool", "gesture", "constrain", "tolerance"):
+            lenient = structure_key(table, "may_conflict", bool)
+            rest = {key: value for key, value in table.items() if key != "may_conflict"}
+            return evolve(self.read(index, rest), may_conflict=lenient)
         if kind in ("undo", "redo"):
             check_keys(table, (kind,), f"an {kind} step" if kind == "undo" else "a redo step")
             return HistoryStep(index, kind, _field({"times": table[kind]}, _Times, kind).times)

@@ -93,7 +93,9 @@ def test_run_writes_pictures_report_and_geometry(script: Path) -> None:
     assert first["changed"] == [[t[0], t[2]]]
     assert second["changed"] == undo["changed"] == [[t[2], t[4]]]
     assert undo["what"] == "undo"
-    assert set(first) == {"index", "what", "curve", "changed", "seconds", "work", "constraints"}
+    assert set(first) == {
+        "index", "what", "curve", "changed", "seconds", "work", "rounds", "faded", "constraints",
+    }  # fmt: skip
     assert first["seconds"] > 0
 
 
@@ -203,6 +205,19 @@ def test_work_that_fails_is_not_the_input_s_fault(
     assert "wave.toml:9: step 0: " in done.stderr
     assert str(error) in done.stderr
     assert list(script.parent.iterdir()) == [script]
+
+
+def test_a_conflict_is_told_in_full(script: Path) -> None:
+    """Each constraint with its stretch and residual, and the way out, on the terminal."""
+    pin = '[[step]]\ncurve = "wave"\nconstrain = "point"\nt = 0.5\npoint = [2, {}]\nname = "{}"\n'
+    script.write_text(SCRIPT + pin.format(0, "low") + pin.format(1, "high"))
+    done = call("run", script)
+    assert done.exit_code == 1
+    message, *lines = done.stderr.splitlines()
+    assert "step 4: 'high' and 'low' ask for different points at t = 0.5, 1 apart" in message
+    assert message.endswith("releasing 'low' lets it through")
+    assert [line.split(" on ")[0] for line in lines] == ["  'high'", "  'low'"]
+    assert all(line.endswith("off by 1") for line in lines)
 
 
 def test_a_view_that_fails_at_the_end_writes_nothing(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 import numpy as np
@@ -9,13 +10,14 @@ import pytest
 from attrs import field, frozen
 
 import multirep as mr
+from multirep.constraints import Freeze
 from multirep.errors import ScriptError, StepFailedError
 from multirep.registry import Registry
 from multirep.representations import Nurbs, Polyline
 from multirep.script.reading import read_script
-from multirep.script.report import geometry, report
+from multirep.script.report import geometry, report, to_json
 from multirep.script.running import Result, run
-from multirep.tools import MoveVertex
+from multirep.tools import MoveVertex, Spatula
 
 HEAD = """
 multirep = 1
@@ -58,10 +60,10 @@ class Pin(mr.Constraint[Polyline]):
 REGISTRY = Registry.of(Polyline, Nurbs, MoveVertex, Pin)
 
 
-def do(folder: Path, *steps: str) -> Result:
+def do(folder: Path, *steps: str, registry: Registry = REGISTRY) -> Result:
     path = folder / "script.toml"
     path.write_text(HEAD + "".join(f"[[step]]\n{step}\n" for step in steps))
-    return run(read_script(path, REGISTRY), REGISTRY)
+    return run(read_script(path, registry), registry)
 
 
 def move(curve: str, index: int, y: float) -> str:
@@ -115,6 +117,35 @@ def test_constraints_that_contradict_are_a_failure_not_a_mistake(tmp_path: Path)
     )
     with pytest.raises(StepFailedError, match=r"step 1: .*'high'.*'low'|step 1: .*'low'.*'high'"):
         do(tmp_path, low, high)
+
+
+def test_a_conflict_that_may_be_is_reported_and_changes_nothing(tmp_path: Path) -> None:
+    """Who, where, off by how much, the way out; no step of the history; the run goes on."""
+    pin = 'curve = "a"\nconstrain = "pin"\nname = "{}"\nindex = 2\nto = [2, {}]'
+    again = pin.format("high", 1) + "\nmay_conflict = true"
+    harmless = move("a", 1, 3) + "\nmay_conflict = true"
+    result = do(tmp_path, pin.format("low", -1), again, harmless, "undo = 1")
+    assert heights(result, "a") == [0, 2, -1, 1]
+    low, high, moved, _ = json.loads(to_json(report(result)))["steps"]
+    assert (low["rounds"], low["faded"], high["changed"]) == (1, [], [])
+    assert "conflict" not in {**low, **moved}
+    found = high["conflict"]
+    assert {item["name"] for item in found["constraints"]} == {"low", "high"}
+    assert all(item["where"] and item["residual"] > 0 for item in found["constraints"])
+    assert set(found["cycle"]) == {"low", "high"}
+    assert found["release"] == ["low"]
+    assert found["message"].endswith("releasing 'low' lets it through")
+
+
+def test_what_was_faded_is_reported(tmp_path: Path) -> None:
+    """The frozen part of what the edit would have changed."""
+    freeze = 'curve = "a"\nconstrain = "freeze"\ninterval = [0, 0.125]'
+    spatula = 'curve = "a"\ntool = "spatula"\nradius = 1\npath = [[0, 2], [0.5, 1]]'
+    registry = Registry.of(Polyline, Spatula, Freeze)
+    _, pushed = report(do(tmp_path, freeze, spatula, registry=registry))["steps"]
+    [faded] = pushed["faded"]
+    assert 0 <= faded[0] < faded[1] == 0.125
+    assert pushed["changed"][0][0] >= 0.125
 
 
 def test_the_domain_and_the_tolerance_are_those_of_the_script(tmp_path: Path) -> None:
