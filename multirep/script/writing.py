@@ -87,7 +87,9 @@ def _parameters(entry: Entry, within: str | None = None) -> dict[str, object]:
     if isinstance(entry, Meddled):
         raise ScriptError(
             f"the curve {entry.curve!r} was changed past the session (by a commit, say), which a "
-            "script cannot do"
+            "script cannot do: make that change a tool and apply it, or go on in a new session with "
+            "a curve made of a representation of this one (MultiRepresentation(curve.view(...), "
+            "tolerance=...))"
         )
     keys: dict[str, object] = {} if entry.curve == within else {"curve": entry.curve}
     if isinstance(entry, Applied):
@@ -145,9 +147,7 @@ def _source(entry: Added) -> dict[str, object]:
     author = state.authors.names[0]
     value: Any = state.author_value(author)
     if len(state.authors.names) > 1 or state.claims:
-        raise ScriptError(
-            f"the curve {entry.curve!r} had been edited before it was added to the session"
-        )
+        raise _edited_before(entry)
     head: dict[str, object] = {"name": entry.curve, "tolerance": state.tolerance}
     tail: dict[str, object] = {"representations": list(entry.kinds)}
     try:
@@ -159,6 +159,14 @@ def _source(entry: Added) -> dict[str, object]:
     if author in ("nurbs", "wavelet"):
         return {**head, author: data, **tail}
     raise ScriptError(f"a curve of a script cannot begin as {author!r}, as {entry.curve!r} does")
+
+
+def _edited_before(entry: Added) -> ScriptError:
+    return ScriptError(
+        f"the curve {entry.curve!r} had been edited before it was added to the session, which a "
+        "script cannot do again: add a curve made of one representation of it instead "
+        "(MultiRepresentation(curve.view(...), tolerance=...)), or add it before editing"
+    )
 
 
 def _looks(entry: Added) -> Iterator[Looked]:
@@ -183,9 +191,7 @@ def _looks(entry: Added) -> Iterator[Looked]:
     except MultirepError as error:
         raise ScriptError(f"the curve {entry.curve!r} cannot be made again: {error}") from error
     if not _same(fresh.snapshot(), state):
-        raise ScriptError(
-            f"the curve {entry.curve!r} had been edited before it was added to the session"
-        )
+        raise _edited_before(entry)
     for name in seen:
         yield Looked(entry.curve, name, None)
 

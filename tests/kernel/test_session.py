@@ -291,13 +291,13 @@ def test_curves_of_every_kind_start_a_script(tmp_path: Path) -> None:
 
 
 def test_a_curve_with_an_unknown_past_is_refused(session: mr.Session) -> None:
-    """What cannot be done again is not written down as if it could."""
+    """What cannot be done again is not written down as if it could; the message says what can."""
     curve = wave(9)
     curve.view("nurbs")
     curve.commit("polyline", curve.view(Polyline).move_vertex(3, [1, 1]))
     curve.view("nurbs")
     session.add("edited", curve)
-    with pytest.raises(ScriptError, match="'edited' had been edited before"):
+    with pytest.raises(ScriptError, match="'edited' had been edited before.*made of one"):
         session.script()
 
 
@@ -306,8 +306,12 @@ def test_a_change_past_the_session_is_refused(session: mr.Session) -> None:
     curve = session.curve("wave")
     session.script()
     curve.commit("polyline", curve.view(Polyline).move_vertex(3, [1, 1]))
-    with pytest.raises(ScriptError, match="'wave' was changed past the session"):
+    with pytest.raises(ScriptError, match="'wave' was changed past the session") as caught:
         session.script()
+    assert "a new session with a curve made of a representation of this one" in str(caught.value)
+    fresh = mr.Session()
+    fresh.add("wave", mr.MultiRepresentation(curve.view("polyline"), tolerance=curve.tolerance))
+    assert "[[curve]]" in fresh.script()
 
 
 def test_what_toml_cannot_say_is_refused(session: mr.Session) -> None:
