@@ -87,9 +87,9 @@ def _parameters(entry: Entry, within: str | None = None) -> dict[str, object]:
     if isinstance(entry, Meddled):
         raise ScriptError(
             f"the curve {entry.curve!r} was changed past the session (by a commit, say), which a "
-            "script cannot do: make that change a tool and apply it, or go on in a new session with "
-            "a curve made of a representation of this one (MultiRepresentation(curve.view(...), "
-            "tolerance=...))"
+            "script cannot do: make that change a tool and apply it, or go on in a new session "
+            "with a curve made of a representation of this one "
+            "(MultiRepresentation(curve.view(...), tolerance=...))"
         )
     keys: dict[str, object] = {} if entry.curve == within else {"curve": entry.curve}
     if isinstance(entry, Applied):

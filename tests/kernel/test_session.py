@@ -297,7 +297,7 @@ def test_a_curve_with_an_unknown_past_is_refused(session: mr.Session) -> None:
     curve.commit("polyline", curve.view(Polyline).move_vertex(3, [1, 1]))
     curve.view("nurbs")
     session.add("edited", curve)
-    with pytest.raises(ScriptError, match="'edited' had been edited before.*made of one"):
+    with pytest.raises(ScriptError, match=r"'edited' had been edited before.*made of one"):
         session.script()
 
 
