@@ -2,7 +2,8 @@
 
 An edit whose support reaches into a frozen stretch becomes ``old + w (new - old)`` on what is
 free: the weight w is 0 with a zero derivative at the border and 1 beyond an apron on the free
-side, so the curve leaves the frozen stretch in its old direction.
+side, so the curve leaves the frozen stretch in its old direction: exactly where the representation
+can follow the blend exactly, else as far as its tolerance says anything of directions.
 """
 
 from __future__ import annotations
