@@ -5,7 +5,8 @@ if these are too few; every condition that they act on is a row of the system, b
 nothing that held is lost. The ends of the curve
 and the direction in which it leaves a frozen stretch stay if possible. Where the rows leave too
 little freedom, knots are inserted around their parameters and the solve is tried again, a few
-times; conditions that still cannot be told apart are a conflict.
+times; conditions that still cannot be told apart are a conflict. The moves of a gesture share what
+they factor.
 """
 
 from __future__ import annotations
@@ -19,11 +20,12 @@ from multirep.arrays import Flags
 from multirep.constraints.condition import Condition, Rows
 from multirep.edit import Edit
 from multirep.errors import ConflictError, FrozenError
+from multirep.memory import Memory, factored_once
 from multirep.representations.nurbs import Nurbs
 from multirep.representations.nurbs.borders import acts_on, bends_at, halfway_knots
 from multirep.scene import Scene
 from multirep.splices import SpliceList
-from multirep.splines import LeastNorm, least_norm
+from multirep.splines import LeastNorm
 
 #: A solve of this quality (see :func:`multirep.splines.least_norm`) is taken at once. Larger
 #: inserts more knots, smaller lets the curve swing more between close conditions.
@@ -59,9 +61,9 @@ def solved(curve: Nurbs, named: Sequence[Named], scene: Scene) -> Edit[Nurbs]:
     value, splices = _with_corners(curve, named, scene.frozen)
     wanted = _merged(value, named)
     kept = [*_aimed(value, scene.aims, wanted), *_standing(value, wanted)]
-    found = _attempted(value, [*wanted, *kept], scene.frozen)
+    found = _attempted(value, [*wanted, *kept], scene)
     if kept and not isinstance(found, Edit):
-        found = _attempted(value, wanted, scene.frozen)
+        found = _attempted(value, wanted, scene)
     if isinstance(found, Edit):
         return Edit(found.value, splices | found.splices)
     names = tuple(dict.fromkeys(name for name, _ in found))
@@ -166,20 +168,18 @@ def _standing(curve: Nurbs, wanted: Sequence[Named]) -> list[Named]:
     return [("", Condition(t, 0, tuple(curve(t).tolist()))) for t in sorted(slopes - points)]
 
 
-def _attempted(
-    curve: Nurbs, named: Sequence[Named], frozen: SpliceList
-) -> Edit[Nurbs] | list[Named]:
+def _attempted(curve: Nurbs, named: Sequence[Named], scene: Scene) -> Edit[Nurbs] | list[Named]:
     """Meet the conditions, or return those that exclude each other."""
     named = sorted(named, key=lambda item: _place(item[1]))
     steps = [Edit(curve, SpliceList.EMPTY)]
     culprits: list[Named] = []
     for _ in range(REFINEMENTS + 1):
         value = steps[-1].value
-        found = _met(value, named, frozen, gentle=True, enough=GOOD)
+        found = _met(value, named, scene, gentle=True, enough=GOOD)
         if isinstance(found, Edit):
             return _after(steps[-1], found)
         culprits = found
-        finer = halfway_knots(value, [c.t for _, c in culprits], frozen)
+        finer = halfway_knots(value, [c.t for _, c in culprits], scene.frozen)
         if not finer:
             break
         steps.append(_after(steps[-1], value.insert_knots(finer)))
@@ -189,7 +189,7 @@ def _attempted(
         (steps[-1], False, LEAST),
         (steps[0], False, LEAST),
     ):
-        found = _met(step.value, named, frozen, gentle=gentle, enough=enough)
+        found = _met(step.value, named, scene, gentle=gentle, enough=enough)
         if isinstance(found, Edit):
             return _after(step, found)
     return culprits
@@ -200,9 +200,10 @@ def _after(first: Edit[Nurbs], second: Edit[Nurbs]) -> Edit[Nurbs]:
 
 
 def _met(
-    curve: Nurbs, named: Sequence[Named], frozen: SpliceList, *, gentle: bool, enough: float
+    curve: Nurbs, named: Sequence[Named], scene: Scene, *, gentle: bool, enough: float
 ) -> Edit[Nurbs] | list[Named]:
     """Meet the conditions on the control points there are, or return those that crowd them."""
+    frozen = scene.frozen
     conditions = [condition for _, condition in named]
     system = Rows.of(curve, conditions)
     broken = system.missed > MET * curve.magnitude
@@ -220,9 +221,11 @@ def _met(
         movable = np.zeros(len(system.points), dtype=bool)
         movable[columns[moving][acting[moving]]] = True
         concerned = (movable[columns] & acting).any(axis=1)
-        found = _solve(system, concerned, movable & allowed)
+        found = _solve(system, concerned, movable & allowed, scene.memory)
         if found.quality >= enough:
-            return _moved(curve, system, found, conditions, concerned, movable & allowed)
+            return _moved(
+                curve, system, found, conditions, concerned, movable & allowed, scene.memory
+            )
         culprits = [named[k] for k in np.flatnonzero(concerned)[found.culprits].tolist()]
         if (concerned == moving).all():
             break
@@ -237,13 +240,14 @@ def _moved(
     conditions: Sequence[Condition],
     concerned: Flags,
     free: Flags,
+    memory: Memory,
 ) -> Edit[Nurbs]:
     """Move the control points, and once more for what rounding has left."""
     edit = _shifted(curve, system, found)
     again = Rows.of(edit.value, conditions)
     if again.missed.max() <= MET * curve.magnitude:
         return edit
-    return _after(edit, _shifted(edit.value, again, _solve(again, concerned, free)))
+    return _after(edit, _shifted(edit.value, again, _solve(again, concerned, free, memory)))
 
 
 def _shifted(curve: Nurbs, system: Rows, found: LeastNorm) -> Edit[Nurbs]:
@@ -286,7 +290,6 @@ def _check_ice(
         )
 
 
-def _solve(system: Rows, concerned: Flags, free: Flags) -> LeastNorm:
-    return least_norm(
-        system.starts[concerned], system.rows[concerned], system.wanted[concerned], free
-    )
+def _solve(system: Rows, concerned: Flags, free: Flags, memory: Memory) -> LeastNorm:
+    starts, rows = system.starts[concerned], system.rows[concerned]
+    return factored_once(memory, starts, rows, free).solve(system.wanted[concerned])

@@ -21,6 +21,7 @@ from multirep.errors import (
     UnknownNameError,
 )
 from multirep.frozen_borders import clear_of_ice, follow_beside_ice
+from multirep.memory import Memory
 from multirep.multirepresentation import MultiRepresentation
 from multirep.outcome import Outcome, measured_work
 from multirep.reparameterization import ParameterMap
@@ -58,6 +59,7 @@ class Framework:
     def __init__(self) -> None:
         self._curves: dict[str, MultiRepresentation] = {}
         self._constraints: dict[str, dict[str, Constraint[Any]]] = {}
+        self._memory: Memory | None = None
 
     # -- curves ------------------------------------------------------------------------------------
 
@@ -279,7 +281,22 @@ class Framework:
         return edit, reached, faded
 
     def _scene(self, target: MultiRepresentation, aims: tuple[Aim, ...] = ()) -> Scene:
-        return Scene(dict(self._curves), target.frozen, aims, target.tolerance)
+        memory = Memory() if self._memory is None else self._memory
+        return Scene(dict(self._curves), target.frozen, aims, target.tolerance, memory)
+
+    @contextmanager
+    def remembering(self) -> Iterator[None]:
+        """Keep factored systems from one application to the next until the block ends.
+
+        For moves that ask for the same with other numbers, as those of a drag: what they solve is
+        factored once. The results are the same, bit for bit.
+        """
+        before = self._memory
+        self._memory = Memory()
+        try:
+            yield
+        finally:
+            self._memory = before
 
     @contextmanager
     def _way_out(self, curve: str, attempt: Callable[[], object]) -> Iterator[None]:

@@ -9,6 +9,7 @@ import attrs
 
 from multirep.aim import Aim
 from multirep.errors import UnknownNameError
+from multirep.memory import Memory
 from multirep.splices import SpliceList
 
 if TYPE_CHECKING:
@@ -33,12 +34,15 @@ class Scene:
         What the tool asked for, for the constraints that answer.
     tolerance : float or None
         The tolerance of the curve that is being edited; None outside a session.
+    memory : Memory
+        For what one move of a gesture works out and the next ones need again: factored systems.
     """
 
     _curves: Mapping[str, MultiRepresentation] = attrs.field(factory=dict)
     frozen: SpliceList = SpliceList.EMPTY
     aims: tuple[Aim, ...] = ()
     tolerance: float | None = None
+    memory: Memory = attrs.field(factory=Memory)
 
     def __iter__(self) -> Iterator[str]:
         return iter(self._curves)

@@ -177,10 +177,11 @@ class Session:
     def gesture(self, curve: str) -> Iterator[Gesture]:
         """Apply several tools as one undo step; an exception undoes all of them.
 
-        Until the block ends, everything else that this session offers is refused.
+        Systems that its moves solve are factored once as long as they are the same. Until the block
+        ends, everything else that this session offers is refused.
         """
         self.framework.curve(curve)
-        with self._step() as entries:
+        with self._step() as entries, self.framework.remembering():
             gesture = Gesture(self.framework, curve, self.journal)
             yield gesture
             entries.append(Gestured(curve, tuple(gesture._entries)))

@@ -103,7 +103,9 @@ class Sweep(Tool[WaveletBSpline]):
         if self.hold is None and self.targets is None and not scene.frozen:
             return curve.sweep(t, self.to, self.level)
         rows = np.array([(t, *self.to), *self._others(curve)])
-        return swept_together(curve, rows[:, 0], rows[:, 1:], self.level, scene.frozen)
+        return swept_together(
+            curve, rows[:, 0], rows[:, 1:], self.level, scene.frozen, scene.memory
+        )
 
     def aims(self, curve: WaveletBSpline) -> tuple[Aim, ...]:
         """Return all targets, those that stay among them."""

@@ -15,17 +15,19 @@ if TYPE_CHECKING:
     from multirep.splines.corners import corner_parameters
     from multirep.splines.evaluation import evaluate
     from multirep.splines.least_squares import polyline_rows, solve_window
-    from multirep.splines.minimum_norm import LeastNorm, least_norm
+    from multirep.splines.minimum_norm import Factored, LeastNorm, factored, least_norm
     from multirep.splines.polar import bernstein, blossom, refine
     from multirep.splines.sampling import sample_spline
 
 __all__ = [
+    "Factored",
     "LeastNorm",
     "basis_functions",
     "bernstein",
     "blossom",
     "corner_parameters",
     "evaluate",
+    "factored",
     "find_spans",
     "least_norm",
     "polyline_rows",
@@ -35,12 +37,14 @@ __all__ = [
 ]
 
 _HOMES = {
+    "Factored": "minimum_norm",
     "LeastNorm": "minimum_norm",
     "basis_functions": "basis",
     "bernstein": "polar",
     "blossom": "polar",
     "corner_parameters": "corners",
     "evaluate": "evaluation",
+    "factored": "minimum_norm",
     "find_spans": "basis",
     "least_norm": "minimum_norm",
     "polyline_rows": "least_squares",

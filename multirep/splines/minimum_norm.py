@@ -14,7 +14,7 @@ import numpy.typing as npt
 
 from multirep.splines.arrays import Array, IntArray
 
-__all__ = ["LeastNorm", "least_norm"]
+__all__ = ["Factored", "LeastNorm", "factored", "least_norm"]
 
 #: Up to so many rows a dense orthogonal factorisation is faster than a banded one.
 _DENSE = 32
@@ -42,6 +42,83 @@ class LeastNorm(NamedTuple):
     culprits: IntArray
 
 
+class Factored(NamedTuple):
+    """A system that is solved for one right-hand side after the other; see `factored`.
+
+    Parameters
+    ----------
+    columns : (m, q) integer array
+        Which control points each row concerns.
+    scaled : (m, q) array
+        The rows, scaled to length 1, with the held columns struck out.
+    lengths : (m,) array
+        What they were scaled by.
+    size : int
+        Number n of control points.
+    quality : float
+    culprits : (k,) integer array
+        As in `LeastNorm`.
+    gram : array
+        Up to 32 rows the transpose of B, more the lower diagonals of ``B B^T``.
+    factor : array
+        Its triangle, or its banded Cholesky factor.
+    """
+
+    columns: IntArray
+    scaled: Array
+    lengths: Array
+    size: int
+    quality: float
+    culprits: IntArray
+    gram: Array
+    factor: Array
+
+    def solve(self, wanted: Array) -> LeastNorm:
+        """Return the shortest change for right-hand sides (m, d); nothing is factored for it."""
+        if self.quality == 0.0:
+            nothing = np.zeros((self.size, wanted.shape[1]))
+            return LeastNorm(nothing, 0.0, self.culprits)
+        right = wanted / self.lengths[:, None]
+        solve = _solved_densely if len(right) <= _DENSE else _solved_in_bands
+        factors = solve(self.gram, self.factor, right)
+        change = np.zeros((self.size, wanted.shape[1]))
+        for j in range(self.columns.shape[1]):
+            np.add.at(change, self.columns[:, j], self.scaled[:, j, None] * factors)
+        return LeastNorm(change, self.quality, self.culprits)
+
+
+def factored(starts: IntArray, rows: Array, free: npt.NDArray[np.bool_]) -> Factored:
+    """Prepare for `least_norm` with several right-hand sides.
+
+    Parameters
+    ----------
+    starts, rows, free
+        As for `least_norm`.
+
+    Returns
+    -------
+    Factored
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> starts, rows = np.array([0, 1]), np.array([[0.5, 0.5], [0.5, 0.5]])
+    >>> system = factored(starts, rows, np.array([True, True, False]))
+    >>> system.solve(np.array([[1.0], [0.0]])).change.round(12) + 0.0
+    array([[2.],
+           [0.],
+           [0.]])
+    """
+    lengths = np.sqrt(np.einsum("mq,mq->m", rows, rows))
+    columns = starts[:, None] + np.arange(rows.shape[1])
+    scaled = rows / lengths[:, None] * free[columns]
+    if len(rows) <= _DENSE:
+        found = _triangle(columns, scaled, int(free.sum()))
+    else:
+        found = _bands(starts, scaled)
+    return Factored(columns, scaled, lengths, len(free), *found)
+
+
 def least_norm(
     starts: IntArray, rows: Array, wanted: Array, free: npt.NDArray[np.bool_]
 ) -> LeastNorm:
@@ -66,7 +143,7 @@ def least_norm(
     Notes
     -----
     Up to 32 rows by a QR factorisation of the transpose; more by banded normal equations ``B B^T``
-    with one step of refinement, linear in m.
+    with one step of refinement, linear in m. `factored` keeps the factorisation.
 
     Examples
     --------
@@ -80,24 +157,11 @@ def least_norm(
     >>> (rows @ found.change[2:6]).round(12)
     array([[ 0.04, -0.08]])
     """
-    lengths = np.sqrt(np.einsum("mq,mq->m", rows, rows))
-    columns = starts[:, None] + np.arange(rows.shape[1])
-    scaled = rows / lengths[:, None] * free[columns]
-    right = wanted / lengths[:, None]
-    if len(rows) <= _DENSE:
-        factors, quality, culprits = _dense(columns, scaled, right, int(free.sum()))
-    else:
-        factors, quality, culprits = _banded(starts, scaled, right)
-    change = np.zeros((len(free), wanted.shape[1]))
-    for j in range(rows.shape[1]):
-        np.add.at(change, columns[:, j], scaled[:, j, None] * factors)
-    return LeastNorm(change, quality, culprits)
+    return factored(starts, rows, free).solve(wanted)
 
 
-def _dense(
-    columns: IntArray, scaled: Array, right: Array, most: int
-) -> tuple[Array, float, IntArray]:
-    """Factors of the rows from the triangle of the transpose: ``B^T = Q R``, so ``R^T R f = b``."""
+def _triangle(columns: IntArray, scaled: Array, most: int) -> tuple[float, IntArray, Array, Array]:
+    """Quality, culprits, ``B^T`` and the triangle of ``B^T = Q R``."""
     count = len(scaled)
     low = int(columns[0, 0])
     matrix = np.zeros((int(columns[-1, -1]) + 1 - low, count))
@@ -106,10 +170,14 @@ def _dense(
     pivots = np.zeros(count)
     size = min(triangle.shape)
     pivots[:size] = np.abs(np.diagonal(triangle)[:size])
-    worst = int(pivots.argmin())
-    quality = float(pivots[worst])
+    quality = float(pivots.min())
     if quality < _DEPENDENT or count > most:
-        return np.zeros_like(right), 0.0, _combined(triangle, pivots)
+        quality = 0.0
+    return quality, _combined(triangle, pivots), matrix, triangle
+
+
+def _solved_densely(matrix: Array, triangle: Array, right: Array) -> Array:
+    """Factors of the rows, from ``R^T R f = b``."""
     # Not dtrtrs: OpenBLAS starts threads for it, which takes milliseconds on a busy machine.
     from scipy.linalg.lapack import dpotrs
 
@@ -117,7 +185,8 @@ def _dense(
     # The products lose what the condition costs; one correction brings it back.
     missed = right - matrix.T @ (matrix @ factors)
     correction, _ = dpotrs(triangle, missed)
-    return factors + correction, quality, _combined(triangle, pivots)
+    total: Array = factors + correction
+    return total
 
 
 def _combined(triangle: Array, pivots: Array) -> IntArray:
@@ -128,9 +197,9 @@ def _combined(triangle: Array, pivots: Array) -> IntArray:
     return np.append(np.flatnonzero(np.abs(shares) > 1e-3), row)
 
 
-def _banded(starts: IntArray, scaled: Array, right: Array) -> tuple[Array, float, IntArray]:
-    """Factors of the rows from the banded Gram matrix."""
-    from scipy.linalg.lapack import dpbtrf, dpbtrs
+def _bands(starts: IntArray, scaled: Array) -> tuple[float, IntArray, Array, Array]:
+    """Quality, culprits, the banded Gram matrix of the rows and its Cholesky factor."""
+    from scipy.linalg.lapack import dpbtrf
 
     count, width = scaled.shape
     ahead = starts.searchsorted(starts + width) - np.arange(count)
@@ -142,16 +211,21 @@ def _banded(starts: IntArray, scaled: Array, right: Array) -> tuple[Array, float
         shifted = np.take_along_axis(padded[: count - diagonal], places, axis=1)
         gram[diagonal, : count - diagonal] = np.einsum("mq,mq->m", shifted, scaled[diagonal:])
     factor, info = dpbtrf(gram, lower=1)
-    if info > 0:
-        return np.zeros_like(right), 0.0, _near(starts, width, info - 1)
-    pivots = factor[0]
-    worst = int(pivots.argmin())
-    if pivots[worst] < _DEPENDENT:
-        return np.zeros_like(right), 0.0, _near(starts, width, worst)
+    worst = info - 1 if info > 0 else int(factor[0].argmin())
+    quality = 0.0 if info > 0 else float(factor[0][worst])
+    if quality < _DEPENDENT:
+        quality = 0.0
+    return quality, _near(starts, width, worst), gram, factor
+
+
+def _solved_in_bands(gram: Array, factor: Array, right: Array) -> Array:
+    """Factors of the rows, with one step of refinement."""
+    from scipy.linalg.lapack import dpbtrs
+
     factors, _ = dpbtrs(factor, right, lower=1)
-    missed = right - _times(gram, factors)
-    correction, _ = dpbtrs(factor, missed, lower=1)
-    return factors + correction, float(pivots[worst]), _near(starts, width, worst)
+    correction, _ = dpbtrs(factor, right - _times(gram, factors), lower=1)
+    total: Array = factors + correction
+    return total
 
 
 def _near(starts: IntArray, width: int, row: int) -> IntArray:

@@ -9,12 +9,12 @@ import numpy as np
 from multirep.arrays import Array, Flags, Indices
 from multirep.errors import EditError
 from multirep.interval import Interval
+from multirep.memory import Memory, factored_once
 from multirep.representations.wavelet import details
 from multirep.representations.wavelet.dyadic import finest_level, parameters
 from multirep.representations.wavelet.graded import Graded
 from multirep.splices import SpliceList
 from multirep.splines.basis import basis_functions
-from multirep.splines.minimum_norm import least_norm
 
 if TYPE_CHECKING:
     from multirep.arrays import ArrayLike
@@ -36,6 +36,7 @@ def swept_together(
     to: ArrayLike,
     level: float,
     frozen: SpliceList = SpliceList.EMPTY,
+    memory: Memory | None = None,
 ) -> Edit[WaveletBSpline]:
     """Move the curve at several parameters to points, by the smallest change of a level.
 
@@ -51,6 +52,8 @@ def swept_together(
     frozen : SpliceList
         Where nothing may change: only control points of the level move that do not act there. If
         these cannot do it well, all of them move, and the caller has to fade the change out.
+    memory : Memory, optional
+        Of a gesture: systems that it knows are not factored anew.
 
     Returns
     -------
@@ -91,17 +94,17 @@ def swept_together(
         raise EditError(f"a sweep needs a level from 0 to {finest}, got {level:g}")
     order = at.argsort(kind="stable")
     at, offsets = at[order], (points - curve(at))[order]
-    graded = curve._graded
+    graded, memory = curve._graded, memory or Memory()
     coarse, share = int(level), level % 1.0
     for j, part in ((coarse, 1.0 - share), (coarse + 1, share)):
         if part:
-            columns, change = _solved(graded, at, offsets, j, frozen)
+            columns, change = _solved(graded, at, offsets, j, frozen, memory)
             graded = _plus(graded, j, columns, part * change)
     return curve._edit(graded)
 
 
 def _solved(
-    curve: Graded, t: Array, offsets: Array, level: int, frozen: SpliceList
+    curve: Graded, t: Array, offsets: Array, level: int, frozen: SpliceList, memory: Memory
 ) -> tuple[Indices, Array]:
     """Control points (k,) of the level that act at the parameters, and their changes (k, d)."""
     spans = 1 << level
@@ -117,10 +120,10 @@ def _solved(
     acting = free[starts].any(axis=1) | (offsets != 0.0).any(axis=1)
     if not acting.any():
         return columns, np.zeros((len(columns), offsets.shape[1]))
-    found = least_norm(starts[acting, 0], rows[acting], offsets[acting], free)
+    found = factored_once(memory, starts[acting, 0], rows[acting], free).solve(offsets[acting])
     if not free.all() and found.quality < _QUALITY_BESIDE:
         acting, free = np.ones_like(acting), np.ones_like(free)
-        found = least_norm(starts[:, 0], rows, offsets, free)
+        found = factored_once(memory, starts[:, 0], rows, free).solve(offsets)
     if found.quality < _QUALITY:
         culprits = ", ".join(f"{value:.6g}" for value in t[acting][found.culprits].tolist())
         raise EditError(

@@ -4,13 +4,17 @@ from __future__ import annotations
 
 from statistics import median
 from time import perf_counter
+from typing import Any
 
 import numpy as np
 import pytest
 
 import multirep as mr
+from multirep import splines
 from multirep.constraints import DerivativeConstraint, PointConstraint
 from multirep.representations import Nurbs
+from multirep.splines import factored
+from multirep.tool import Tool
 from multirep.tools import DirectManipulation, MoveVertex, Sweep
 
 MOVES = 12
@@ -78,6 +82,44 @@ def test_constraints_apart_cost_no_fit() -> None:
     place = tuple((made.curve("c").view(Nurbs)(t) + np.array([0, 0.01])).tolist())
     outcome = made.apply("c", DirectManipulation(t=t, to=place))
     assert (outcome.rounds, outcome.work.sampled, outcome.constraints) == (0, 0, ())
+
+
+@pytest.mark.parametrize("kind", ["direct manipulation", "sweep", "sweep of two"])
+def test_the_moves_of_a_gesture_factor_nothing_but_the_first(
+    kind: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """One move costs the re-application only; the results are those of moves one by one."""
+    calls = []
+
+    def counted(*arguments: Any) -> splines.Factored:
+        calls.append(arguments)
+        return factored(*arguments)
+
+    monkeypatch.setattr(splines, "factored", counted)
+
+    def move(made: mr.Session, k: int) -> Tool[Any]:
+        to = (1.5 * 32, 0.01 * np.sin(k + 1))
+        if kind == "direct manipulation":
+            return DirectManipulation(t=0.5, to=to)
+        hold = [0.502] if kind == "sweep of two" else None
+        return Sweep(t=0.5, to=to, level=7, hold=hold)
+
+    dragged, moved = (session(32, constrained=True) for _ in range(2))
+    counts = []
+    with dragged.gesture("c") as gesture:
+        for k in range(6):
+            calls.clear()
+            gesture.apply(move(dragged, k))
+            counts.append(len(calls))
+    assert counts[0] > 0
+    assert counts[1:] == [0] * 5
+    calls.clear()
+    for k in range(6):
+        moved.apply("c", move(moved, k))
+    assert len(calls) >= 6 * counts[0]
+    for name in dragged.curve("c").kinds:
+        values = [made.curve("c").view(name).to_dict() for made in (dragged, moved)]
+        assert values[0] == values[1]
 
 
 @pytest.mark.slow
