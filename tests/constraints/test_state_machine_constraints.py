@@ -64,7 +64,7 @@ class ConstrainedMachine(SessionMachine):
     @initialize(start=st.sampled_from(STARTS), tolerance=st.sampled_from(TOLERANCES[:3]))
     def begin(self, start: Callable[[], mr.MultiRepresentation], tolerance: float) -> None:
         self.count = 0
-        self.ice: dict[str, tuple[list[Interval], dict[str, bytes]]] = {}
+        self.ice: dict[str, tuple[list[Interval], dict[str, bytes], dict[str, Any]]] = {}
         super().begin(start, tolerance)
 
     def step(self, action: Callable[[], object]) -> None:
@@ -191,7 +191,10 @@ class ConstrainedMachine(SessionMachine):
 
     @invariant()
     def the_ice_stays(self) -> None:
-        """Each stretch is what it was when it was first seen frozen, in every representation."""
+        """Each stretch is what it was when it was first seen frozen, in every representation.
+
+        So are all stored numbers on which it depends, from one step to the next.
+        """
         held = self.curve.snapshot().held
         claims = self.curve.claims
         for name in set(self.ice) - set(claims):
@@ -206,9 +209,13 @@ class ConstrainedMachine(SessionMachine):
                     item.value(np.linspace(stretch.start, stretch.stop, 65)).tobytes()
                     for stretch in stretches
                 )
+            values = {kind: item.value for kind, item in held.items()}
             if name in self.ice:
-                assert self.ice[name] == (stretches, bits), name
-            self.ice[name] = (stretches, bits)
+                *before, stored = self.ice[name]
+                assert before == [stretches, bits], name
+                for kind, value in stored.items():
+                    assert not value.changes(values[kind]).intersects(claim), (name, kind)
+            self.ice[name] = (stretches, bits, values)
 
 
 def test_a_session_keeps_its_promises_with_constraints() -> None:
