@@ -118,11 +118,12 @@ def _merged(curve: Nurbs, named: Iterable[Named]) -> list[Named]:
         apart = float(np.linalg.norm(target - condition.target))
         if apart > SAME * max(scale, float(np.abs(target).max())):
             what = "points" if condition.order == 0 else "derivatives"
+            off = apart * float(Rows.of(curve, [condition]).lengths[0])
             raise ConflictError(
                 f"{other!r} and {name!r} ask for different {what} at t = {condition.t!r}, "
                 f"{apart:.3g} apart",
                 constraints=dict.fromkeys((other, name)),
-                residuals={other: apart, name: apart},
+                residuals={other: off, name: off},
             )
     return sorted(found.values(), key=lambda item: _place(item[1]))
 

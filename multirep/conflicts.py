@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from itertools import combinations
 from typing import TYPE_CHECKING
 
-from multirep.aim import Aim
+from multirep.aim import TURNED, Aim
 from multirep.errors import ConflictError, MultirepError
 from multirep.splices import SpliceList
 
@@ -59,6 +59,7 @@ def opposed(
     by: str,
     aim: Aim,
     missed: float,
+    turned: float,
     where: Mapping[str, SpliceList],
     residuals: Mapping[str, float],
 ) -> ConflictError:
@@ -69,9 +70,12 @@ def opposed(
         for what, wanted in (("", aim.point), ("left", aim.left), ("right", aim.right))
         if wanted is not None
     ] + ["smoothness"] * aim.smooth
+    off = f"it passes at a distance of {missed:.3g}" if missed else ""
+    if turned > TURNED:
+        off = f"its derivatives differ by {100 * turned:.2g} %"
     return ConflictError(
         f"{by} asks for {', '.join(asked).strip()} at t = {aim.t:g}, but with {listed} "
-        f"re-established the curve is not so (it passes at a distance of {missed:.3g})",
+        f"re-established the curve is not so: {off}",
         constraints=where,
         residuals=residuals,
         where=where,

@@ -333,8 +333,9 @@ class _Loop:
         for aim in self.scene.aims:
             missed = misses(aim, value)
             own = any(n == kind.name for part, n in self.curve.authors if part.contains(aim.t))
-            if missed > self.curve.tolerance or (own and turns(aim, value) > TURNED):
+            turned = turns(aim, value) if own else 0.0
+            if missed > self.curve.tolerance or turned > TURNED:
                 near = [n for n in self.first if self.region(n).contains(aim.t)]
                 names = near or list(self.first)
                 residuals = {n: self.first[n] for n in names}
-                raise opposed(by, aim, missed, self.claims(names), residuals)
+                raise opposed(by, aim, missed, turned, self.claims(names), residuals)

@@ -168,14 +168,40 @@ def test_more_conditions_than_control_points() -> None:
     }
 
     def add_all() -> None:
-        for name, point in points.items():
-            session.constrain("c", point, name=name)
+        with session.gesture("c"):
+            for name, point in points.items():
+                session.framework.constrain("c", point, name=name)
 
+    before = session.curve("c").snapshot()
     with pytest.raises(ConflictError) as caught:
         add_all()
-    assert set(caught.value.constraints) <= set(points)
-    assert len(caught.value.constraints) >= 2
-    assert "ask for more than the control points around t = 0.5" in str(caught.value)
+    error = caught.value
+    assert len(error.constraints) >= 2
+    assert set(error.where) == set(error.residuals) == set(error.constraints) <= set(points)
+    assert max(error.residuals.values()) == pytest.approx(2.0)
+    assert all(claim.contains(0.5) for claim in error.where.values())
+    assert set(error.release) <= set(points)
+    assert "ask for more than the control points around t = 0.5" in str(error)
+    assert session.curve("c").snapshot() is before
+    assert not session.framework.constraints("c")
+
+
+def test_what_is_off_is_told_in_the_units_of_the_points() -> None:
+    """A derivative by t times the span beside, as residuals are; a tool's by its part."""
+    session = mr.Session()
+    session.add("c", curve())
+    ear = CornerConstraint(t=0.5, point=(2, 0), left=(1, 5), right=(1, -5))
+    session.constrain("c", ear, name="ear")
+    turned = DerivativeConstraint(t=0.5, left=(1, 0))
+    with pytest.raises(
+        ConflictError, match=r"different derivatives at t = 0\.5, 5 apart"
+    ) as caught:
+        session.constrain("c", turned, name="d")
+    assert caught.value.residuals["d"] == pytest.approx(
+        turned.residual(session.curve("c").view(Nurbs))
+    )
+    with pytest.raises(ConflictError, match=r"its derivatives differ by .* %; releasing 'ear'"):
+        session.apply("c", Corner(t=0.5, left=(5.0, 1.0)))
 
 
 def test_three_on_a_cycle_are_told_as_a_cycle() -> None:
