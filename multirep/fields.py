@@ -18,6 +18,7 @@ import math
 from typing import Any
 
 import attrs
+import numpy as np
 
 from multirep.arrays import ArrayLike
 
@@ -32,6 +33,8 @@ def as_point(value: ArrayLike) -> tuple[float, ...]:
 
 def as_points(value: ArrayLike) -> tuple[tuple[float, ...], ...]:
     """Convert a sequence of points; what is none is left for the validator to name."""
+    if isinstance(value, np.ndarray) and value.ndim == 2 and value.dtype.kind in "fiu":
+        return tuple(map(tuple, value.astype(np.float64).tolist()))  # strokes have 10^5 samples
     try:
         return tuple(as_point(point) for point in value)  # type: ignore[union-attr]  # fails if not
     except TypeError:
@@ -75,12 +78,24 @@ def finite_points(instance: object, attribute: attrs.Attribute[Any], value: obje
     """Raise ValueError unless the field is a non-empty tuple of points of one dimension."""
     if not isinstance(value, tuple) or not value:
         raise ValueError(f"{attribute.name!r} must be a list of one point or more: {value!r}")
+    if _are_points(value):
+        return
     for k, point in enumerate(value):
         if not _is_point(point) or len(point) != len(value[0]):
             raise ValueError(
                 f"{attribute.name!r} must hold points of finite numbers, all of one dimension; "
                 f"point {k} is: {point!r}"
             )
+
+
+def _are_points(value: tuple[object, ...]) -> bool:
+    """Whether all are points, at once; what is doubtful is looked at one by one."""
+    try:
+        array = np.asarray(value)
+    except ValueError:  # of different lengths
+        return False
+    plain = array.dtype == np.float64 and array.ndim == 2 and array.shape[1] > 0
+    return plain and bool(np.isfinite(array).all())
 
 
 def _is_point(value: object) -> bool:
