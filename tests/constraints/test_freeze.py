@@ -12,7 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import multirep as mr
-from multirep.constraints import Freeze, Mark
+from multirep.constraints import Freeze, Mark, painting
 from multirep.constraints.painting import painted
 from multirep.edit import Edit
 from multirep.errors import EditError, FrozenError, MultirepError
@@ -336,6 +336,28 @@ def test_strokes_as_people_draw_them(stroke: Any) -> None:
     x = np.linspace(0, 6, 90)
     polyline = Polyline.from_points(np.column_stack([x, np.sin(x)]))
     assert 0.02 < painted(polyline, stroke, 0.2).length < 0.2
+
+
+def test_painting_to_and_fro_costs_as_much_as_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What is covered already is not looked at again, and long strokes are taken in strips."""
+    looked: list[int] = []
+
+    def counted(p: Any, *others: Any) -> Any:
+        looked.append(len(p))
+        return inside(p, *others)
+
+    inside = painting._inside
+    monkeypatch.setattr(painting, "_inside", counted)
+    line = Polyline(np.linspace(0, 1, 2001), np.linspace([0, 0], [10, 0], 2001))
+    there = np.linspace([2, 0.1], [7, 0.1], 640)
+    once = painted(line, there, 0.5)
+    calls, pairs = len(looked), sum(looked)
+    assert calls <= len(there) / 64 + 1
+    looked.clear()
+    many = painted(line, np.concatenate([there, there[::-1]] * 10), 0.5)
+    assert list(many.hull) == pytest.approx(list(once.hull), abs=0.05 / 16)  # of skipped points
+    assert len(many) == 1
+    assert sum(looked) <= 2 * pairs
 
 
 def test_a_stroke_far_away_is_refused() -> None:
