@@ -175,6 +175,7 @@ class ReparameterizeStep:
     curve: str
     mapping: Any
     line: int | None = None
+    may_conflict: bool = False
 
 
 @frozen

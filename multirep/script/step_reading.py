@@ -40,6 +40,8 @@ STEP_KINDS = (
     "tool", "gesture", "constrain", "release", "tolerance", "reparameterize", "add", "view", "undo",
     "redo",
 )  # fmt: skip
+#: Which of them may meet with a conflict.
+CONFLICTING = ("tool", "gesture", "constrain", "tolerance", "reparameterize")
 #: What makes a part of a gesture.
 PART_KINDS = ("tool", "view")
 #: More steps than anybody does in a day: a bound on what a small file can ask for.
@@ -76,7 +78,7 @@ class StepReader:
             Names the key, what was found and what is allowed.
         """
         kind = _kind(table, STEP_KINDS, "a step")
-        if "may_conflict" in table and kind in ("tool", "gesture", "constrain", "tolerance"):
+        if "may_conflict" in table and kind in CONFLICTING:
             lenient = structure_key(table, "may_conflict", bool)
             rest = {key: value for key, value in table.items() if key != "may_conflict"}
             return evolve(self.read(index, rest), may_conflict=lenient)

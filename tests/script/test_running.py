@@ -137,6 +137,19 @@ def test_a_conflict_that_may_be_is_reported_and_changes_nothing(tmp_path: Path) 
     assert found["message"].endswith("releasing 'low' lets it through")
 
 
+def test_every_kind_of_step_that_can_conflict_may(tmp_path: Path) -> None:
+    """Gestures and parameters too; not undo, which never does."""
+    pin = 'curve = "a"\nconstrain = "pin"\nname = "low"\nindex = 2\nto = [2, -1]'
+    even = 'curve = "a"\nreparameterize = "even"\nmay_conflict = true'
+    parts = 'curve = "a"\nmay_conflict = true\n[[step.gesture]]\ntool = "move-vertex"\nindex = 2\n'
+    drag = parts + "to = [2, 5]"
+    result = do(tmp_path, pin, even, drag)
+    assert [step.conflict is None for step in result.steps] == [True, False, False]
+    assert heights(result, "a") == [0, 2, -1, 1]
+    with pytest.raises(ScriptError, match="may_conflict"):
+        do(tmp_path, pin, "undo = 1\nmay_conflict = true")
+
+
 def test_what_was_faded_is_reported(tmp_path: Path) -> None:
     """The frozen part of what the edit would have changed."""
     freeze = 'curve = "a"\nconstrain = "freeze"\ninterval = [0, 0.125]'
