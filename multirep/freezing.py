@@ -29,7 +29,7 @@ from multirep.representation import Representation
 from multirep.splices import SpliceList
 from multirep.state import Held, State
 from multirep.synchronization import hop
-from multirep.tidying import bare_values, tidied
+from multirep.tidying import from_before, tidied
 
 #: How often a stretch may grow before every representation can hold it. Two kinds that cannot stop
 #: anywhere need two; more only delays the report of two that never agree.
@@ -142,7 +142,7 @@ def _prepared(
     settled = SpliceList(
         part for part in state.frozen if not SpliceList([part]).intersects(touched)
     )
-    plain = bare_values(state)
+    preparations = from_before(state)
     state, frozen = _bordered(state, settled, claimed(claims.values()), keep, emit)
     values = _values(state)
     added = {kind: dict(ends) for kind, ends in state.added.items()}
@@ -155,8 +155,17 @@ def _prepared(
             for end, count in new.items():
                 counts[end] = counts.get(end, 0) + count
     kinds = {kind: Held(values[kind], held.stale) for kind, held in state.held.items()}
-    bare = {kind: (values[kind], value) for kind, value in plain.items()}
-    return attrs.evolve(state, held=kinds, claims=claims, frozen=frozen, added=added, bare=bare)
+    return attrs.evolve(
+        state,
+        held=kinds,
+        claims=claims,
+        frozen=frozen,
+        added=added,
+        preparations={
+            kind: attrs.evolve(preparation, value=values[kind])
+            for kind, preparation in preparations.items()
+        },
+    )
 
 
 def _values(state: State) -> dict[str, Representation]:

@@ -20,6 +20,18 @@ class Held:
 
 
 @attrs.frozen(eq=False)
+class Preparation:
+    """The value that a kind got for a stretch to be frozen, and the one from before.
+
+    ``tolerance`` is the one that the latter was made for.
+    """
+
+    value: Representation
+    before: Representation
+    tolerance: float
+
+
+@attrs.frozen(eq=False)
 class State:
     """Tolerance, held representations by name, the authors, and what is frozen.
 
@@ -35,8 +47,8 @@ class State:
         needs to hold them still (:meth:`~multirep.Representation.held`).
     added : mapping of str to mapping of float to int
         How many controls each kind got at the ends of frozen stretches, to be taken back later.
-    bare : mapping of str to pair of Representation
-        The value that each kind got for a stretch to be frozen, and the one from before.
+    preparations : mapping of str to Preparation
+        What freezing has made of each kind.
     """
 
     tolerance: float
@@ -45,13 +57,21 @@ class State:
     claims: Mapping[str, SpliceList] = attrs.field(factory=dict)
     frozen: SpliceList = SpliceList.EMPTY
     added: Mapping[str, Mapping[float, int]] = attrs.field(factory=dict)
-    bare: Mapping[str, tuple[Representation, Representation]] = attrs.field(factory=dict)
+    preparations: Mapping[str, Preparation] = attrs.field(factory=dict)
 
     def with_held(self, name: str, held: Held) -> State:
         """Return the state with another value of one kind."""
         # not attrs.evolve, which takes ten times as long: this is part of every step of a drag
         held_now = {**self.held, name: held}
-        return State(self.tolerance, held_now, self.authors, self.claims, self.frozen, self.added)
+        return State(
+            self.tolerance,
+            held_now,
+            self.authors,
+            self.claims,
+            self.frozen,
+            self.added,
+            self.preparations,
+        )
 
     def author_value(self, name: str) -> Representation:
         """Return the value of a kind that is the author somewhere."""

@@ -7,22 +7,28 @@ from collections.abc import Callable, Mapping
 import attrs
 
 from multirep.events import Event, Prepared
-from multirep.representation import Representation
-from multirep.state import Held, State
+from multirep.state import Held, Preparation, State
 
 
-def bare_values(state: State) -> Mapping[str, Representation]:
+def from_before(state: State) -> Mapping[str, Preparation]:
     """Return what each kind was before it was prepared for what is frozen, as far as that is known.
 
     A kind that was edited or fitted since then begins anew with what it is.
     """
-    values: dict[str, Representation] = {}
+    found: dict[str, Preparation] = {}
     for kind, held in state.held.items():
-        prepared, bare = state.bare.get(kind, (None, None))
-        value = bare if held.value is prepared else held.value
-        assert value is not None, f"{kind} has no value to freeze"
-        values[kind] = value
-    return values
+        assert held.value is not None, f"{kind} has no value to freeze"
+        known = _standing(state, kind)
+        found[kind] = known or Preparation(held.value, held.value, state.tolerance)
+    return found
+
+
+def _standing(state: State, kind: str) -> Preparation | None:
+    """Return the preparation of a kind if the value from before could stand in its place."""
+    known = state.preparations.get(kind)
+    if known is None or known.value is not state.held[kind].value:
+        return None
+    return known if known.tolerance <= state.tolerance else None
 
 
 def tidied(state: State, emit: Callable[[Event], None]) -> State:
@@ -33,20 +39,20 @@ def tidied(state: State, emit: Callable[[Event], None]) -> State:
     """
     if state.frozen:
         return _without_helpers(state, emit)
-    for kind, (prepared, bare) in state.bare.items():
-        held = state.held[kind]
-        if held.value is prepared is not bare:
-            emit(Prepared(kind, prepared.changes(bare)))
-            state = state.with_held(kind, Held(bare, held.stale))
+    for kind, held in state.held.items():
+        known = _standing(state, kind)
+        if known is not None and known.value is not known.before:
+            emit(Prepared(kind, known.value.changes(known.before)))
+            state = state.with_held(kind, Held(known.before, held.stale))
             state = attrs.evolve(state, added={**state.added, kind: {}})
-    return attrs.evolve(_without_helpers(state, emit), bare={})
+    return attrs.evolve(_without_helpers(state, emit), preparations={})
 
 
 def _without_helpers(state: State, emit: Callable[[Event], None]) -> State:
     """Release the ends, kind by kind, as far as that changes nothing that is frozen."""
     ends = {end for part in state.frozen for end in part}
     added: dict[str, dict[float, int]] = {}
-    bare = dict(state.bare)
+    preparations = dict(state.preparations)
     for kind, counts in state.added.items():
         before = value = state.held[kind].value
         assert value is not None
@@ -60,6 +66,6 @@ def _without_helpers(state: State, emit: Callable[[Event], None]) -> State:
                 emit(Prepared(kind, edit.splices))
         added[kind] = waiting
         state = state.with_held(kind, Held(value, state.held[kind].stale))
-        if kind in bare and bare[kind][0] is before:
-            bare[kind] = value, bare[kind][1]
-    return attrs.evolve(state, added=added, bare=bare)
+        if kind in preparations and preparations[kind].value is before:
+            preparations[kind] = attrs.evolve(preparations[kind], value=value)
+    return attrs.evolve(state, added=added, preparations=preparations)

@@ -19,6 +19,7 @@ from multirep.errors import EditError, FrozenError, MultirepError
 from multirep.interval import Interval
 from multirep.representations import Nurbs, Polyline, WaveletBSpline
 from multirep.splices import SpliceList
+from multirep.testing import check_certificate
 from multirep.tools import (
     DeleteVertex,
     DirectManipulation,
@@ -149,6 +150,21 @@ def test_freezes_and_their_release_leave_no_trace(
         assert curve.view(kind) is value
     assert not curve.frozen
     assert not curve.claims
+
+
+def test_what_was_made_for_a_wider_tolerance_does_not_come_back() -> None:
+    """Tightened while a stretch is frozen: the values from before need not meet that."""
+    for share in (0.9, 0.6, 0.3, 0.05):
+        curve = wave()
+        for kind in KINDS:
+            curve.view(kind)
+        curve.freeze("ice", Interval(0.31, 0.47))
+        try:
+            curve.tolerance *= share
+        except FrozenError:
+            continue
+        curve.thaw("ice")
+        check_certificate(curve)
 
 
 @pytest.mark.parametrize("tool", [0, 1, 2])

@@ -26,6 +26,7 @@ from multirep.interval import Interval
 from multirep.multirepresentation import MultiRepresentation
 from multirep.scene import Scene
 from multirep.splices import SpliceList
+from multirep.state import Held, State
 from multirep.testing import CountingRepresentation, LoopbackRepresentation, RecordingTool
 from multirep.tool import Tool
 
@@ -418,3 +419,16 @@ def test_errors_of_a_tool_are_its_own(framework: mr.Framework) -> None:
         with pytest.raises(error, match=message):
             framework.apply("c", Faulty((4,), where=where))
         assert framework.curve("c").snapshot() is before
+
+
+def test_another_value_of_a_kind_is_all_that_a_state_changes() -> None:
+    """Written out for speed; no field may be forgotten."""
+    curve = mr.MultiRepresentation.from_points([[0, 0], [1, 2], [2, 0]], tolerance=0.01)
+    curve.freeze("ice", mr.Interval(0.25, 0.5))
+    state, held = curve.snapshot(), Held(None, mr.SpliceList.EMPTY)
+    after = state.with_held("nurbs", held)
+    assert after.held == {**state.held, "nurbs": held}
+    for field in attrs.fields(State):
+        if field.name != "held":
+            assert getattr(after, field.name) is getattr(state, field.name)
+            assert getattr(state, field.name)
