@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from statistics import median
-from time import perf_counter
+from time import process_time
 from typing import Any
 
 import numpy as np
@@ -15,7 +15,7 @@ from multirep.constraints import DerivativeConstraint, PointConstraint
 from multirep.representations import Nurbs
 from multirep.splines import factored
 from multirep.tool import Tool
-from multirep.tools import DirectManipulation, MoveVertex, Sweep
+from multirep.tools import DirectManipulation, Spatula, Sweep
 
 MOVES = 12
 
@@ -49,23 +49,24 @@ def drag(made: mr.Session, tool: str) -> tuple[float, float]:
     with made.gesture("c") as gesture:
         for k in range(MOVES):
             to = tuple((place + np.array([0.0, 0.01 * np.sin(k + 1)])).tolist())
-            begin = perf_counter()
+            begin = process_time()
             with curve.listening() as events:
                 if tool == "direct manipulation":
-                    gesture.apply(DirectManipulation(t=0.5, to=to))
+                    outcome = gesture.apply(DirectManipulation(t=0.5, to=to))
                 elif tool == "sweep":
-                    gesture.apply(Sweep(t=0.5, to=to, level=level))
+                    outcome = gesture.apply(Sweep(t=0.5, to=to, level=level))
                 else:
-                    t = curve.view("polyline").t  # type: ignore[attr-defined]
-                    gesture.apply(MoveVertex(index=int(t.searchsorted(0.5)), to=to))
+                    deeper = np.array([[0.0, 0.32 - 0.01 * k], [0.0, 0.31 - 0.01 * k]])
+                    outcome = gesture.apply(Spatula(radius=0.3, path=place + deeper))
                 for kind in curve.kinds:
                     curve.view(kind)
-            seconds.append(perf_counter() - begin)
+            seconds.append(process_time() - begin)
+            assert outcome.rounds == bool(made.framework.constraints("c"))
             samples.append(sum(getattr(event, "samples", 0) for event in events))
     return median(samples), median(seconds)
 
 
-TOOLS = ("direct manipulation", "sweep", "vertex")
+TOOLS = ("direct manipulation", "sweep", "spatula")
 
 
 @pytest.mark.parametrize("tool", TOOLS)
