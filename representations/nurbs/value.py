@@ -242,21 +242,23 @@ class NurbsValue(Representation):
 
     def _point(self, t: float) -> Array:
         """Evaluate one parameter, as `window_points` would, with little around it."""
-        p = self.degree
-        first = self.span(t)
-        knots, points, weights = self._arrays(first, first)
+        p, points, weights = self.degree, self._points, self._weights
+        first = min(max(self._knots.searchsorted(t, "right") - 1, p), len(points) - 1)
+        low = first - p
+        knots, rows = self._knots.window(low, first + p + 2), points.window(low, first + 1)
         if t == knots[p] and t == knots[1]:
-            return np.array(points[0])
+            return np.array(rows[0])
         if t == knots[p + 1] and t == knots[2 * p]:
-            return np.array(points[p])
+            return np.array(rows[p])
         from scipy.interpolate import BSpline
 
-        if weights is None or all(w == 1.0 for w in weights.tolist()):
-            found: Array = BSpline.construct_fast(knots, points, p)(np.array([t]))[0]
-            return found
-        rows = homogeneous(points, weights)
-        found = BSpline.construct_fast(knots, rows, p)(np.array([t]))[0]
-        return np.asarray(found[:-1] / found[-1])
+        if weights is not None:
+            w = weights.window(low, first + 1)
+            if w.tolist().count(1.0) <= p:
+                found = BSpline.construct_fast(knots, homogeneous(rows, w), p)(t)
+                return np.asarray(found[:-1] / found[-1])
+        found = BSpline.construct_fast(knots, rows, p)(t)
+        return np.asarray(found)
 
     def _evaluated(self, t: Array, knots: Array, points: Array, weights: Array | None) -> Array:
         values = window_points(knots, points, weights, self.degree, t)

@@ -16,7 +16,7 @@ from multirep.representation import Nearest, Representation
 from multirep.representations.polyline.boxes import BlockBoxes
 from multirep.representations.polyline.chord_length import chord_length
 from multirep.representations.polyline.differences import changed_stretches
-from multirep.representations.polyline.evaluation import evaluate, slopes
+from multirep.representations.polyline.evaluation import evaluate, evaluate_one, slopes
 from multirep.representations.polyline.holding import NOTHING, held, released
 from multirep.representations.polyline.proximity import nearest_place
 from multirep.representations.polyline.sampling import sample_stretch
@@ -134,7 +134,11 @@ class Polyline(Representation):
 
     def __call__(self, t: ArrayLike) -> Array:
         """Points at parameters: scalar -> (d,), (m,) -> (m, d); vertices bit by bit."""
+        if isinstance(t, float) and self.domain.start <= t <= self.domain.stop:
+            return evaluate_one(self.t, self.points, t)
         at = self.parameters(t)
+        if at.ndim == 0:
+            return evaluate_one(self.t, self.points, float(at))
         values = evaluate(self.t, self.points, at.reshape(-1))
         return values.reshape(*at.shape, self.dimension)
 

@@ -129,7 +129,11 @@ class WaveletBSpline(Representation):
 
     def __call__(self, t: ArrayLike) -> Array:
         """Points at parameters: scalar -> (d,), (m,) -> (m, d); ParameterError outside T."""
+        if isinstance(t, float) and self.domain.start <= t <= self.domain.stop:
+            return self._graded.point(t)
         at = self.parameters(t)
+        if at.ndim == 0:
+            return self._graded.point(float(at))
         values = self._graded.evaluate(at.reshape(-1))
         return values.reshape(*at.shape, self.dimension)
 
