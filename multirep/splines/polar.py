@@ -13,7 +13,7 @@ import numpy as np
 
 from multirep.splines.arrays import Array, IntArray
 
-__all__ = ["bernstein", "blossom", "refine"]
+__all__ = ["bernstein", "blossom", "blossom_rows", "refine", "unmatched_rows"]
 
 #: A piece may be continued over so many times its length: that costs a few units in the last place.
 _MUCH_LONGER = 4.0
@@ -200,27 +200,66 @@ def refine(knots: Array, coefficients: Array, degree: int, new_knots: Array) -> 
     >>> refine(knots, square, 2, np.array([0, 0, 0, 0.5, 1, 1, 1.0]))[:, 0]
     array([0. , 0. , 0.5, 1. ])
     """
+    changed, source = unmatched_rows(knots, new_knots, degree)
+    refined = coefficients.take(source, axis=0, mode="clip")
+    if len(changed):
+        refined[changed] = blossom_rows(knots, coefficients, degree, new_knots, changed)
+    return refined
+
+
+def unmatched_rows(old: Array, new: Array, degree: int) -> tuple[IntArray, IntArray]:
+    """Match control points of a refined knot vector to the old ones with the same inner knots.
+
+    Parameters
+    ----------
+    old, new : (n + p + 1,), (N + p + 1,) arrays
+        Knots of a window before and after insertion; new contains old.
+    degree : int
+
+    Returns
+    -------
+    changed : (c,) indices
+        New control points whose p inner knots belong to no old control point.
+    source : (N,) indices
+        For each other one, which old control point it is.
+    """
+    count = len(new) - degree - 1
+    first = new[1 : count + 1]
+    # How many of the new knots stand before; equal ones count as standing behind.
+    source = old.searchsorted(first, "right") - new.searchsorted(first, "right")
+    source += np.arange(count)
+    fits = (source >= 0) & (source < len(old) - degree - 1)
+    for k in range(degree):
+        fits &= old.take(source + (k + 1), mode="clip") == new[k + 1 : k + 1 + count]
+    return np.flatnonzero(~fits), source
+
+
+def blossom_rows(
+    knots: Array, coefficients: Array, degree: int, new_knots: Array, rows: IntArray
+) -> Array:
+    """Compute some control points of a refined spline; see `refine` for how and for the names.
+
+    Parameters
+    ----------
+    rows : (c,) indices
+        Which of the new control points.
+
+    Returns
+    -------
+    (c, D) array
+    """
     count = len(new_knots) - degree - 1
     # The nonempty new spans of the domain, and for each new control point the middlemost one.
-    filled = np.flatnonzero(new_knots[degree:count] < new_knots[degree + 1 : count + 1]) + degree
-    rows = np.arange(count)
+    lengths = new_knots[1:] - new_knots[:-1]
+    filled = np.flatnonzero(lengths[degree:count]) + degree
     middle = rows + degree // 2
     after = np.minimum(filled.searchsorted(middle), len(filled) - 1)
     right, left = filled[after], filled[np.maximum(after - 1, 0)]
     chosen = np.where(right - middle <= middle - left, right, left)
-    lengths = new_knots[1:] - new_knots[:-1]
     support = np.minimum(np.maximum(rows + np.arange(degree + 1)[:, None], degree), count - 1)
-    longest = support[lengths.take(support).argmax(axis=0), rows]
+    longest = support[lengths.take(support).argmax(axis=0), np.arange(len(rows))]
     tiny = lengths.take(longest) > _MUCH_LONGER * lengths.take(chosen)
     chosen = np.where(tiny, longest, chosen)
     spans = np.asarray(knots.searchsorted(new_knots[chosen], "right") - 1)
-    # If no local knot changed, the old control point sits as far from the span as the new one.
-    same = rows + (spans - chosen)
-    inner = np.arange(1, degree + 1)
-    arguments = new_knots.take(rows[:, None] + inner)
-    unchanged = (knots.take(same[:, None] + inner, mode="clip") == arguments).all(axis=1)
-    refined = coefficients.take(same, axis=0, mode="clip")
-    changed = np.flatnonzero(~unchanged)
-    if len(changed):
-        refined[changed] = blossom(knots, coefficients, degree, spans[changed], arguments[changed])
-    return refined
+    arguments = new_knots.take(rows[:, None] + np.arange(1, degree + 1))
+    return blossom(knots, coefficients, degree, spans, arguments)

@@ -42,32 +42,6 @@ def supports(knots: BlockArray, degree: int, rows: Indices, domain: Interval) ->
     return merged(window[at], window[at + degree + 1], domain)
 
 
-def unmatched_rows(old: Array, new: Array, degree: int) -> tuple[Indices, Indices]:
-    """Match control points of a refined knot vector to the old ones with the same inner knots.
-
-    Parameters
-    ----------
-    old, new : (n + p + 1,), (N + p + 1,) arrays
-        Knots of a window before and after insertion; new contains old.
-    degree : int
-
-    Returns
-    -------
-    changed : (c,) indices
-        New control points whose p inner knots belong to no old control point.
-    source : (N,) indices
-        For each other one, which old control point it is.
-    """
-    count = len(new) - degree - 1
-    rows = np.arange(count)
-    first = new[1 : count + 1]
-    source = rows + old.searchsorted(first, "right") - new.searchsorted(first, "right")
-    inner = np.arange(1, degree + 1)
-    same = old.take(source[:, None] + inner, mode="clip") == new.take(rows[:, None] + inner)
-    fits = (source >= 0) & (source < len(old) - degree - 1) & same.all(axis=1)
-    return np.flatnonzero(~fits), source
-
-
 def difference(
     degree: int,
     domain: Interval,

@@ -214,7 +214,7 @@ class Nurbs(NurbsValue):
         EditError
             When ``t`` is not inside T, or would be a knot more than p times.
         """
-        return insertion.knots_inserted(self, [t] * insertion.times_of(times))
+        return insertion.knot_inserted(self, t, times)
 
     def insert_knots(self, knots: ArrayLike) -> Edit[Self]:
         """Insert many knots in one pass; repeat a value to insert it several times.

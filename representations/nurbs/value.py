@@ -12,13 +12,13 @@ from multirep.errors import EditError, InvalidCurveError, ToleranceError
 from multirep.interval import Interval
 from multirep.representation import Nearest, Representation
 from multirep.representations.nurbs import changes, controls, evaluation
-from multirep.representations.nurbs.boxes import Boxes
 from multirep.representations.nurbs.evaluation import (
     Side,
     homogeneous,
     settled_at_corners,
     window_points,
 )
+from multirep.representations.nurbs.sizes import Sizes
 from multirep.representations.nurbs.validation import validated
 from multirep.sampled import SampledSplice
 from multirep.splices import SpliceList
@@ -38,7 +38,7 @@ class NurbsValue(Representation):
     _knots: BlockArray
     _points: BlockArray
     _weights: BlockArray | None
-    _boxes: Boxes
+    _sizes: Sizes | None
 
     def __init__(
         self,
@@ -65,7 +65,7 @@ class NurbsValue(Representation):
         points: BlockArray,
         weights: BlockArray | None,
         domain: Interval,
-        boxes: Boxes | None,
+        sizes: Sizes | None,
     ) -> None:
         vars(self).update(
             degree=degree,
@@ -74,7 +74,7 @@ class NurbsValue(Representation):
             _knots=knots,
             _points=points,
             _weights=weights,
-            _boxes=Boxes.of(points) if boxes is None else boxes.renewed(points),
+            _sizes=sizes,
         )
 
     def __setattr__(self, name: str, value: object) -> None:
@@ -96,7 +96,7 @@ class NurbsValue(Representation):
             self._points if points is None else points,
             self._weights if weights is None else weights,
             self.domain,
-            self._boxes,
+            self._sizes,
         )
         return new
 
@@ -129,8 +129,10 @@ class NurbsValue(Representation):
 
     @property
     def magnitude(self) -> float:
-        """Largest |coordinate| of a control point, so of the curve too (convex hull)."""
-        return self._boxes.magnitude
+        """Largest |coordinate| of a control point, so of the curve too; O(changed blocks)."""
+        sizes = Sizes.of(self._points, self._sizes)
+        vars(self)["_sizes"] = sizes  # a cache: the value stays what it is
+        return sizes.magnitude
 
     def span(self, t: float, side: Side = "right") -> int:
         """Return k with knots[k] <= t < knots[k + 1] (left: knots[k] < t <= knots[k + 1]).
