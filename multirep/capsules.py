@@ -1,0 +1,215 @@
+"""A tree of capsules around the pieces of a curve, to find nearest places with proof.
+
+A capsule holds a stretch of the curve: every point of the stretch is within ``radius`` of the chord
+between its ends. As the stretch is connected, every point of the chord is also within the radius of
+the stretch (look at the plane through it across the chord). So for a point at distance D from the
+chord, the nearest place of the stretch is between ``D - radius`` and ``D + radius`` away. The
+radius shrinks with the *square* of the length of a smooth stretch, as that of a box does not: few
+capsules remain after each level, however many pieces there are.
+
+The tree is three levels of arrays, cut into leaves of about `FAN`**2 pieces. An edited curve takes
+over all leaves but those that it changed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from functools import cached_property
+
+import attrs
+import numpy as np
+
+from multirep.arrays import Array, Indices
+
+__all__ = ["FAN", "Leaf", "Tree", "capsules", "merged_capsules"]
+
+#: How many capsules one of the next level holds.
+FAN = 16
+#: Rounding of coordinates, chords and radii, in units in the last place of the coordinates.
+_ULPS = 16
+_EPS = float(np.finfo(np.float64).eps)
+
+
+def capsules(starts: Array, stops: Array, radius: Array | float) -> Array:
+    """Lay out capsules as columns: start (d), chord (d), 1 / length**2, radius.
+
+    Parameters
+    ----------
+    starts, stops : (d, m) arrays
+    radius : (m,) array or float
+
+    Returns
+    -------
+    (2 d + 2, m) array
+    """
+    dimension, count = starts.shape
+    nodes = np.empty((2 * dimension + 2, count))
+    nodes[:dimension] = starts
+    chords = nodes[dimension : 2 * dimension]
+    np.subtract(stops, starts, out=chords)
+    squares = np.einsum("ij,ij->j", chords, chords)
+    with np.errstate(divide="ignore", over="ignore"):
+        inverse = 1.0 / squares
+    # a chord so short that its square vanishes is the point where it starts
+    short = ~np.isfinite(inverse)
+    if short.any():
+        inverse[short] = 0.0
+        radius = radius + np.where(short, np.abs(chords).sum(axis=0), 0.0)
+    nodes[-2] = inverse
+    nodes[-1] = radius
+    return nodes
+
+
+def distances(nodes: Array, points: Array) -> tuple[Array, Array]:
+    """Nearest places of chords, as (u, distance): ``points`` (d, m) or (d, 1), one a column."""
+    dimension = len(points)
+    offsets = points - nodes[:dimension]
+    chords = nodes[dimension:-2]
+    u = np.einsum("ij,ij->j", offsets, chords)
+    u *= nodes[-2]
+    np.maximum(u, 0.0, out=u)
+    np.minimum(u, 1.0, out=u)
+    offsets -= u * chords
+    return u, np.sqrt(np.einsum("ij,ij->j", offsets, offsets))
+
+
+def merged_capsules(nodes: Array, firsts: Indices) -> Array:
+    """Return the capsules around runs of neighbouring ones that begin at ``firsts``."""
+    dimension = len(nodes) // 2 - 1
+    starts = nodes[:dimension]
+    stops = starts + nodes[dimension:-2]
+    counts = np.append(firsts[1:], nodes.shape[1]) - firsts
+    around = capsules(starts[:, firsts], stops[:, firsts + counts - 1], 0.0)
+    spread = around.repeat(counts, axis=1)
+    far = np.maximum(distances(spread, starts)[1], distances(spread, stops)[1]) + nodes[-1]
+    # The distance to a chord is convex: within a capsule it is largest at an end.
+    around[-1] += np.maximum.reduceat(far, firsts)
+    around[-1] += _ULPS * _EPS * np.abs(around[: 2 * dimension]).max(axis=0)
+    return around
+
+
+@attrs.frozen(eq=False, slots=False)
+class Leaf:
+    """A few hundred neighbouring pieces of a curve.
+
+    Parameters
+    ----------
+    spans : int
+        How many spans of the curve the pieces are of.
+    starts, stops : (k,) arrays
+        The parameters of each piece; for a leaf without pieces k is 0.
+    nodes : (2 d + 2, k) array
+        Their capsules.
+    hulls : (p + 1, D, k) array, optional
+        Their Bernstein coefficients, homogeneous ones (D = d + 1) for rational pieces; None where
+        the pieces are their chords.
+    """
+
+    spans: int
+    starts: Array
+    stops: Array
+    nodes: Array
+    hulls: Array | None = None
+
+    @cached_property
+    def groups(self) -> Array:
+        """The capsules of `FAN` pieces each."""
+        return merged_capsules(self.nodes, np.arange(0, self.nodes.shape[1], FAN))
+
+    @cached_property
+    def whole(self) -> Array:
+        """The capsule around all, (2 d + 2, 1)."""
+        return merged_capsules(self.groups, np.zeros(1, dtype=np.intp))
+
+
+@attrs.frozen(eq=False, slots=False)
+class Tree:
+    """The leaves of a curve, in order.
+
+    Make one with :meth:`of` and that of the next version with :meth:`renewed`.
+
+    Examples
+    --------
+    >>> vertices = np.array([[0.0, 1.0, 2.0], [0.0, 1.0, 0.0]])
+    >>> def build(first, stop):
+    ...     low, high = vertices[:, first:stop], vertices[:, first + 1 : stop + 1]
+    ...     t = np.arange(first, stop + 1.0)
+    ...     return Leaf(stop - first, t[:-1], t[1:], capsules(low, high, 0.0))
+    >>> Tree.of(build, 2).tops.shape
+    (6, 1)
+    """
+
+    leaves: tuple[Leaf, ...]
+
+    @classmethod
+    def of(cls, build: Callable[[int, int], Leaf], count: int) -> Tree:
+        """Build all leaves of a curve of ``count`` spans; ``build(first, stop)`` makes one."""
+        return cls(tuple(_built(build, 0, count)))
+
+    def renewed(
+        self, build: Callable[[int, int], Leaf], first: int, stop: int, shift: int
+    ) -> Tree:
+        """Return the tree of another version of the curve.
+
+        Parameters
+        ----------
+        build : callable
+            Makes a leaf of the other version.
+        first, stop : int
+            Spans of this version before ``first`` and from ``stop`` on are spans of the other too.
+        shift : int
+            How many spans the other has more.
+
+        Notes
+        -----
+        O(spans that changed), and O(leaves) to put the leaves in a row.
+        """
+        if first >= stop and not shift:
+            return self
+        ends = self._ends
+        head = int(ends.searchsorted(first, "right"))
+        begins = ends - np.array([leaf.spans for leaf in self.leaves])
+        tail = max(int(begins.searchsorted(stop)), head)
+        low = int(ends[head - 1]) if head else 0
+        high = (int(begins[tail]) if tail < len(ends) else int(ends[-1])) + shift
+        fresh = _built(build, low, high)
+        return Tree((*self.leaves[:head], *fresh, *self.leaves[tail:]))
+
+    @cached_property
+    def _ends(self) -> Indices:
+        """The span after the last of each leaf."""
+        ends: Indices = np.cumsum([leaf.spans for leaf in self.leaves])
+        return ends
+
+    @cached_property
+    def filled(self) -> tuple[Leaf, ...]:
+        """The leaves that have pieces."""
+        return tuple(leaf for leaf in self.leaves if len(leaf.starts))
+
+    @cached_property
+    def tops(self) -> Array:
+        """The capsules around the filled leaves, (2 d + 2, leaves)."""
+        return np.concatenate([leaf.whole for leaf in self.filled], axis=1)
+
+    @cached_property
+    def extent(self) -> float:
+        """About the size of the curve: what an accuracy is relative to."""
+        dimension = len(self.tops) // 2 - 1
+        starts, radius = self.tops[:dimension], self.tops[-1]
+        stops = starts + self.tops[dimension:-2]
+        low, high = np.minimum(starts, stops) - radius, np.maximum(starts, stops) + radius
+        return float((high.max(axis=1) - low.min(axis=1)).max())
+
+    @cached_property
+    def magnitude(self) -> float:
+        """An upper bound of the largest |coordinate|."""
+        dimension = len(self.tops) // 2 - 1
+        starts = np.abs(self.tops[:dimension]) + np.abs(self.tops[dimension:-2]) + self.tops[-1]
+        return float(starts.max())
+
+
+def _built(build: Callable[[int, int], Leaf], low: int, high: int) -> Iterable[Leaf]:
+    """Build leaves of at most `FAN`**2 spans, about equally many each."""
+    count = -(-(high - low) // FAN**2)
+    marks = [low + (high - low) * k // count for k in range(count)] + [high] if count else []
+    return [build(i, j) for i, j in zip(marks[:-1], marks[1:], strict=True)]

@@ -1,0 +1,280 @@
+"""The least distance of a point from Bernstein pieces, with proof.
+
+The squared distance of ``N(t) / w(t)`` from the origin is ``f / g`` with ``f = |N|**2`` and ``g =
+w**2``, both in Bernstein form of degree 2p. No place of the piece is nearer than c where all
+coefficients of ``f - c**2 g`` are non-negative. Around a nearest place, found by Newton's method,
+they rarely all are; of the two halves on its either side, divided there by de Casteljau's
+algorithm, they nearly always are: the derivative vanishes there, so the first two coefficients of a
+half are equal.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+from math import comb
+
+import numpy as np
+
+from multirep.splines.arrays import Array
+
+__all__ = ["least_on_piece", "least_on_pieces", "squared"]
+
+#: Newton steps at most, one by one and of many pieces at once.
+_STEPS = 12
+_STEPS_AT_ONCE = 5
+#: Halves shorter than this part of their piece are not divided again: there the coefficients are
+#: rounding errors, and what Newton's method found is as good as can be told.
+_SHORTEST = 2.0**-36
+
+
+@cache
+def _product(degree: int) -> Array:
+    """Matrix from the products of coefficients i, j to the coefficients of the product."""
+    p = degree
+    matrix = np.zeros((2 * p + 1, p + 1, p + 1))
+    for i in range(p + 1):
+        for j in range(p + 1):
+            matrix[i + j, i, j] = comb(p, i) * comb(p, j) / comb(2 * p, i + j)
+    matrix = matrix.reshape(2 * p + 1, -1)
+    matrix.setflags(write=False)
+    return matrix
+
+
+def squared(hulls: Array, points: Array) -> tuple[Array, Array, Array | None]:
+    """Squared distances of points from pieces, in Bernstein form.
+
+    Parameters
+    ----------
+    hulls : (p + 1, D, m) array
+        Coefficients of the pieces; D = d, or d + 1 with a weight last.
+    points : (d, m) or (d, 1) array
+
+    Returns
+    -------
+    offsets : (p + 1, d, m) array
+        Coefficients of N, from the point to the piece times the weight.
+    f : (2p + 1, m) array
+    g : (2p + 1, m) array, or None for 1
+    """
+    p, d = len(hulls) - 1, len(points)
+    product = _product(p)
+    count = hulls.shape[2]
+    if hulls.shape[1] == d:
+        offsets = hulls - points
+        g = None
+    else:
+        weights = hulls[:, d]
+        offsets = hulls[:, :d] - weights[:, None] * points
+        pairs = weights[:, None] * weights
+        g = product @ pairs.reshape(-1, count)
+    pairs = np.einsum("idm,jdm->ijm", offsets, offsets)
+    return offsets, product @ pairs.reshape(-1, count), g
+
+
+def least_on_piece(
+    offsets: list[list[float]],
+    f: list[float],
+    g: list[float] | None,
+    u: float,
+    best: float,
+    slack: float,
+) -> tuple[float, float] | None:
+    """Return a place of one piece that is nearer than ``best``, if there is one.
+
+    Parameters
+    ----------
+    offsets, f, g
+        One column of what `squared` returns, as lists.
+    u : float
+        In [0, 1], where to begin.
+    best : float
+        The distance to be beaten.
+    slack : float
+        By how much it must be beaten for sure.
+
+    Returns
+    -------
+    (distance, u) or None
+        No place of the piece is nearer than the smaller of this distance and ``best`` by more than
+        the slack.
+    """
+    found: tuple[float, float] | None = None
+    # Parts still to be looked at: coefficients, where they begin, how long they are.
+    parts = [(f, g, 0.0, 1.0, u)]
+    while parts:
+        f, g, start, length, guess = parts.pop()
+        floor = max(best - slack, 0.0) ** 2
+        if _clear(f, g, floor) or best <= slack:
+            continue
+        at, left, right = _newton(f, g, guess)
+        there = start + length * at
+        distance = _length(offsets, g is not None, there)
+        if distance < best:
+            best, found = distance, (distance, there)
+            floor = max(best - slack, 0.0) ** 2
+        if not 0.0 < at < 1.0 or min(at, 1.0 - at) < 2.0**-20:
+            # the nearest place stands at an end: try the part itself again, then divide it
+            if _clear(f, g, floor):
+                continue
+            at, left, right = 0.5, *_halves(f, g, 0.5)
+        for (half, weight), begin, part, end in (
+            (left, start, length * at, 1.0),
+            (right, start + length * at, length * (1.0 - at), 0.0),
+        ):
+            if part > _SHORTEST and not _clear(half, weight, floor):
+                k = min(range(len(half)), key=half.__getitem__) / (len(half) - 1)
+                parts.append((half, weight, begin, part, 0.5 if k == end else k))
+    return found
+
+
+Parts = tuple[list[float], list[float] | None]
+
+
+def _clear(f: list[float], g: list[float] | None, floor: float) -> bool:
+    """Whether no place is nearer than the root of ``floor``, by the coefficients alone."""
+    if g is None:
+        return min(f) >= floor
+    return all(a >= floor * b for a, b in zip(f, g, strict=True))
+
+
+def _halves(f: list[float], g: list[float] | None, at: float) -> tuple[Parts, Parts]:
+    left, right = _divided(f, at)[:2]
+    if g is None:
+        return (left, None), (right, None)
+    below, above = _divided(g, at)[:2]
+    return (left, below), (right, above)
+
+
+def _divided(f: list[float], at: float) -> tuple[list[float], list[float], float, float]:
+    """De Casteljau: both halves, and the first and second derivative at the cut."""
+    rest, n = 1.0 - at, len(f) - 1
+    left, right, row = [f[0]], [f[-1]], f
+    first = second = 0.0
+    for _ in range(n):
+        if len(row) == 3:
+            second = n * (n - 1) * (row[0] - 2.0 * row[1] + row[2])
+        elif len(row) == 2:
+            first = n * (row[1] - row[0])
+        row = [rest * a + at * b for a, b in zip(row, row[1:], strict=False)]
+        left.append(row[0])
+        right.append(row[-1])
+    right.reverse()
+    return left, right, first, second
+
+
+def _newton(f: list[float], g: list[float] | None, at: float) -> tuple[float, Parts, Parts]:
+    """Go down from ``at`` to where the derivative of f / g vanishes, or to an end."""
+    below: list[float] | None = None
+    above: list[float] | None = None
+    for step in range(_STEPS):
+        left, right, slope, bend = _divided(f, at)
+        if g is not None:
+            below, above, first, second = _divided(g, at)
+            weight, value = below[-1], left[-1]
+            slope, bend = slope * weight - value * first, bend * weight - value * second
+        if bend > 0.0:
+            new = at - slope / bend
+        else:
+            new = 0.0 if slope > 0.0 else 1.0
+        new = min(max(new, 0.0), 1.0)
+        if step and abs(new - at) <= 1e-14 or new == at:
+            break
+        at = new
+    return at, (left, below), (right, above)
+
+
+def _length(offsets: list[list[float]], rational: bool, at: float) -> float:
+    """Evaluate |N / w|; the weight is the last of each row."""
+    rest = 1.0 - at
+    while len(offsets) > 1:
+        offsets = [
+            [rest * a + at * b for a, b in zip(low, high, strict=True)]
+            for low, high in zip(offsets, offsets[1:], strict=False)
+        ]
+    row = offsets[0]
+    if rational:
+        row = [x / row[-1] for x in row[:-1]]
+    return float(sum(x * x for x in row) ** 0.5)
+
+
+@cache
+def _powers(degree: int) -> Array:
+    """Matrix from Bernstein coefficients to those of 1, t, .. t**n."""
+    n = degree
+    matrix = np.zeros((n + 1, n + 1))
+    for k in range(n + 1):
+        for i in range(k + 1):
+            matrix[k, i] = (-1) ** (k - i) * comb(n, k) * comb(k, i)
+    matrix.setflags(write=False)
+    return matrix
+
+
+def least_on_pieces(
+    offsets: Array, weights: Array | None, f: Array, g: Array | None, u: Array
+) -> tuple[Array, Array]:
+    """Find a nearest place on each of many pieces, without proof.
+
+    Parameters
+    ----------
+    offsets : (p + 1, d, m) array
+    weights : (p + 1, m) array or None
+    f, g : (2p + 1, m) arrays
+        See `squared`.
+    u : (m,) array
+        Where to begin.
+
+    Returns
+    -------
+    (distance, u) : (m,) arrays
+    """
+    n = len(f) - 1
+    order = np.arange(n + 1.0)[:, None]
+    powers = _powers(n) @ f
+    first, second = order[1:] * powers[1:], order[1:-1] * (order[2:] * powers[2:])
+    if g is not None:
+        other = _powers(n) @ g
+        first_g, second_g = order[1:] * other[1:], order[1:-1] * (order[2:] * other[2:])
+    for _ in range(_STEPS_AT_ONCE):
+        slope, bend = _horner(first, u), _horner(second, u)
+        if g is not None:
+            value, weight = _horner(powers, u), _horner(other, u)
+            slope, bend = (
+                slope * weight - value * _horner(first_g, u),
+                bend * weight - value * _horner(second_g, u),
+            )
+        with np.errstate(divide="ignore", invalid="ignore"):
+            step = slope / bend
+        down = bend <= 0.0
+        if down.any():
+            step[down] = np.sign(slope[down])
+        u = u - step
+        np.maximum(u, 0.0, out=u)
+        np.minimum(u, 1.0, out=u)
+    rest = 1.0 - u
+    rows = list(offsets)
+    bottoms = None if weights is None else list(weights)
+    while len(rows) > 1:
+        rows = [rest * a + u * b for a, b in zip(rows, rows[1:], strict=False)]
+        if bottoms is not None:
+            bottoms = [rest * a + u * b for a, b in zip(bottoms, bottoms[1:], strict=False)]
+    distance = np.sqrt(np.einsum("dm,dm->m", rows[0], rows[0]))
+    return distance if bottoms is None else distance / bottoms[0], u
+
+
+def _horner(powers: Array, u: Array) -> Array:
+    value = powers[-1]
+    for row in powers[-2::-1]:
+        value = value * u
+        value += row
+    return value
+
+
+def all_clear(f: Array, u: Array) -> Array:
+    """Whether both halves, divided at ``u``, (m,), have no negative coefficient; (m,)."""
+    rest = 1.0 - u
+    least = np.minimum(f[0], f[-1])
+    while len(f) > 1:
+        f = rest * f[:-1] + u * f[1:]
+        np.minimum(least, f[0], out=least)
+        np.minimum(least, f[-1], out=least)
+    return np.asarray(least >= 0.0)
