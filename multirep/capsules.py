@@ -20,8 +20,9 @@ import attrs
 import numpy as np
 
 from multirep.arrays import Array, Indices
+from multirep.blocks import BlockArray
 
-__all__ = ["FAN", "Leaf", "Tree", "capsules", "merged_capsules"]
+__all__ = ["FAN", "Known", "Leaf", "Tree", "capsules", "merged_capsules"]
 
 #: How many capsules one of the next level holds.
 FAN = 16
@@ -61,16 +62,16 @@ def capsules(starts: Array, stops: Array, radius: Array | float) -> Array:
 
 
 def distances(nodes: Array, points: Array) -> tuple[Array, Array]:
-    """Nearest places of chords, as (u, distance): ``points`` (d, m) or (d, 1), one a column."""
+    """Nearest places of chords, as (u, distance): ``points`` (d, m), or (d, m, 1) for all pairs."""
     dimension = len(points)
     offsets = points - nodes[:dimension]
     chords = nodes[dimension:-2]
-    u = np.einsum("ij,ij->j", offsets, chords)
+    u = np.einsum("i...,i...->...", offsets, chords)
     u *= nodes[-2]
     np.maximum(u, 0.0, out=u)
     np.minimum(u, 1.0, out=u)
     offsets -= u * chords
-    return u, np.sqrt(np.einsum("ij,ij->j", offsets, offsets))
+    return u, np.sqrt(np.einsum("i...,i...->...", offsets, offsets))
 
 
 def merged_capsules(nodes: Array, firsts: Indices) -> Array:
@@ -192,6 +193,11 @@ class Tree:
         return np.concatenate([leaf.whole for leaf in self.filled], axis=1)
 
     @cached_property
+    def crowns(self) -> Array:
+        """The capsules around `FAN` leaves each."""
+        return merged_capsules(self.tops, np.arange(0, self.tops.shape[1], FAN))
+
+    @cached_property
     def extent(self) -> float:
         """About the size of the curve: what an accuracy is relative to."""
         dimension = len(self.tops) // 2 - 1
@@ -206,6 +212,32 @@ class Tree:
         dimension = len(self.tops) // 2 - 1
         starts = np.abs(self.tops[:dimension]) + np.abs(self.tops[dimension:-2]) + self.tops[-1]
         return float(starts.max())
+
+
+class Known:
+    """What the versions of a curve share: the tree of the one that was asked last.
+
+    A cache. It belongs to no value: each version that needs a tree makes it of the one that is
+    here, by what differs, and leaves its own.
+    """
+
+    def __init__(self) -> None:
+        #: The arrays that the tree is of, none in the beginning.
+        self.arrays: tuple[BlockArray, ...] = ()
+        self.tree: Tree = Tree(())
+        self.degree = 1
+        #: The size of the curve when it was first asked.
+        self.size = 0.0
+
+    def is_of(self, arrays: tuple[BlockArray, ...]) -> bool:
+        """Whether the tree is that of exactly these arrays."""
+        return len(arrays) == len(self.arrays) and all(
+            a is b for a, b in zip(arrays, self.arrays, strict=True)
+        )
+
+    def learn(self, arrays: tuple[BlockArray, ...], tree: Tree, degree: int = 1) -> None:
+        """Keep another tree."""
+        self.arrays, self.tree, self.degree = arrays, tree, degree
 
 
 def _built(build: Callable[[int, int], Leaf], low: int, high: int) -> Iterable[Leaf]:

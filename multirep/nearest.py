@@ -1,17 +1,20 @@
-"""The nearest place on any curve, from certified samples alone."""
+"""The nearest place on any curve, from certified samples alone or in a tree of capsules."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from math import dist
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from multirep.arrays import Array
+from multirep.arrays import Array, ArrayLike
 from multirep.errors import InvalidCurveError, ToleranceError
 from multirep.interval import Interval
 from multirep.splices import SpliceList
 
 if TYPE_CHECKING:
+    from multirep.capsules import Tree
     from multirep.representation import Nearest, Representation
 
 #: First tolerance, relative to the size of the curve: coarse enough to be cheap, fine enough to
@@ -22,6 +25,63 @@ TIGHTENING = 1 / 64
 #: The answer is within this part of the curve's size of the true distance (or as near as rounding
 #: lets it).
 ACCURACY = 1e-10
+
+
+def nearest_in_tree(
+    curve: Representation, tree: Callable[[], Tree], point: ArrayLike
+) -> Nearest:
+    """Find the place nearest to a point, or those of many, in a tree of capsules.
+
+    Parameters
+    ----------
+    curve : Representation
+    tree : callable
+        Returns the tree of the curve.
+    point : (d,) or (m, d) array_like
+
+    Returns
+    -------
+    Nearest
+        As `Representation.nearest` promises.
+
+    Raises
+    ------
+    InvalidCurveError
+        When a point is not finite or has another dimension.
+    """
+    from multirep.nearest_tree import nearest_parameter, nearest_parameters
+    from multirep.representation import Nearest
+
+    points = _checked(curve, point)
+    if points.ndim == 1:
+        t = nearest_parameter(tree(), points)
+        there = curve(t)
+        return Nearest(t, there, dist(there.tolist(), points.tolist()))
+    many = nearest_parameters(tree(), points)
+    places = curve(many)
+    return Nearest(many, places, np.linalg.norm(places - points, axis=1))
+
+
+def many_nearest(curve: Representation, points: Array) -> Nearest:
+    """Ask for the nearest place to each of (m, d) points, one by one."""
+    from multirep.representation import Nearest
+
+    found = [curve.nearest(point) for point in _checked(curve, points)]
+    return Nearest(
+        np.array([place.t for place in found]),
+        np.array([place.point for place in found]).reshape(len(found), curve.dimension),
+        np.array([place.distance for place in found]),
+    )
+
+
+def _checked(curve: Representation, point: ArrayLike) -> Array:
+    points: Array = np.asarray(point, dtype=np.float64)
+    right = points.ndim in (1, 2) and points.shape[-1] == curve.dimension
+    if not right or not np.isfinite(points).all():
+        raise InvalidCurveError(
+            f"expected a finite point of {curve.dimension} coordinates, got {point!r}"
+        )
+    return points
 
 
 def nearest_by_sampling(
@@ -53,10 +113,7 @@ def nearest_by_sampling(
     """
     from multirep.representation import Nearest
 
-    if point.shape != (curve.dimension,) or not np.isfinite(point).all():
-        raise InvalidCurveError(
-            f"expected a finite point of {curve.dimension} coordinates, got {point!r}"
-        )
+    _checked(curve, point)
     size = max(curve.magnitude, float(np.abs(point).max()), np.finfo(float).tiny)
     tolerance = FIRST_TOLERANCE * size
     if candidates is None:

@@ -7,6 +7,9 @@ the nearest one ends (`multirep.capsules`). The pieces that are left are decided
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
+from typing import Any, NamedTuple
+
 import numpy as np
 
 from multirep.arrays import Array, Indices
@@ -19,8 +22,8 @@ __all__ = ["ACCURACY", "nearest_parameter", "nearest_parameters"]
 ACCURACY = 1e-10
 #: ... plus so many units in the last place of the coordinates.
 _ULPS = 64
-#: So many capsules are looked at together, points times capsules: what stays in the cache.
-_TOGETHER = 1 << 14
+#: So many points are looked at together: more do not stay in the cache.
+_TOGETHER = 256
 
 _EPS = float(np.finfo(np.float64).eps)
 _CHILDREN = np.arange(FAN)
@@ -33,40 +36,58 @@ def nearest_parameter(tree: Tree, point: Array) -> float:
     may hold the answer; of several equally near places, any.
     """
     column = point[:, None]
-    near = list(tree.filled)
-    if len(near) > 1:
+    near: Sequence[Leaf] = tree.filled
+    if len(near) > 4:
         near = [near[k] for k in _kept(tree.tops, column)[0].tolist()]
-    # Which of the groups, then which of their pieces; places in the leaves laid end to end.
-    ends = np.cumsum([leaf.groups.shape[1] for leaf in near])
-    groups = _kept(_joined([leaf.groups for leaf in near]), column)[0]
-    rows: list[Indices] = []
-    leaves: list[Leaf] = []
-    low = 0
-    for leaf, end in zip(near, ends.tolist(), strict=True):
-        mine = groups[groups.searchsorted(low) : groups.searchsorted(end)] - low
-        low = end
-        if len(mine):
-            which = (FAN * mine[:, None] + _CHILDREN).ravel()
-            rows.append(which[: which.searchsorted(len(leaf.starts))])
-            leaves.append(leaf)
-    parts = [leaf.nodes.take(which, axis=1) for leaf, which in zip(leaves, rows, strict=True)]
-    found, u, least = _kept(_joined(parts), column)
-    ends = np.cumsum([len(which) for which in rows])
-    owners = ends.searchsorted(found, "right")
-    whole = np.concatenate(rows) if len(rows) > 1 else rows[0]
-    which = whole.take(found)
-    if leaves[0].hulls is None:
+    if len(near) == 1 and near[0].nodes.shape[1] <= FAN * FAN:
+        found, u, least = _kept(near[0].nodes, column)
+        places = [(near[0], found)]
+    else:
+        rows = _rows(near, column)
+        nodes = _joined([leaf.nodes.take(which, axis=1) for leaf, which in rows])
+        found, u, least = _kept(nodes, column)
+        places = [(leaf, which.take(mine)) for leaf, which, mine in _dealt(rows, found)]
+    if places[0][0].hulls is None:
         best = int(least.argmin())
         at = float(u[best])
     else:
-        hulls = [
-            leaf.hulls.take(which[owners == k] if len(leaves) > 1 else which, axis=2)
-            for k, leaf in enumerate(leaves)
-            if leaf.hulls is not None
-        ]
-        best, at = _decided(tree, np.concatenate(hulls, axis=2), column, u, least)
-    leaf, row = leaves[int(owners[best])], int(which[best])
+        hulls = [leaf.hulls.take(which, axis=2) for leaf, which in places if leaf.hulls is not None]
+        joined = hulls[0] if len(hulls) == 1 else np.concatenate(hulls, axis=2)
+        best, at = _decided(tree, joined, column, u, least)
+    for leaf, which in places:
+        if best < len(which):
+            break
+        best -= len(which)
+    row = int(which[best])
     return _between(float(leaf.starts[row]), float(leaf.stops[row]), at)
+
+
+def _rows(near: Sequence[Leaf], column: Array) -> list[tuple[Leaf, Indices]]:
+    """Return the pieces, leaf by leaf, whose groups may hold the nearest place."""
+    groups = _kept(_joined([leaf.groups for leaf in near]), column)[0]
+    found = []
+    for leaf, _, mine in _dealt([(leaf, leaf.groups[0]) for leaf in near], groups):
+        which = (FAN * mine[:, None] + _CHILDREN).ravel()
+        if which[-1] >= len(leaf.starts):
+            which = which[: which.searchsorted(len(leaf.starts))]
+        found.append((leaf, which))
+    return found
+
+
+def _dealt(
+    parts: Sequence[tuple[Leaf, Any]], found: Indices
+) -> Iterator[tuple[Leaf, Any, Indices]]:
+    """Deal numbers out to the parts that they are of, laid end to end: counted from each."""
+    if len(parts) == 1:
+        yield *parts[0], found
+        return
+    low, first = 0, 0
+    for leaf, which in parts:
+        low, begin = low + len(which), low
+        stop = int(found.searchsorted(low))
+        if stop > first:
+            yield leaf, which, found[first:stop] - begin
+            first = stop
 
 
 def _joined(parts: list[Array]) -> Array:
@@ -133,107 +154,123 @@ def _least(
 def nearest_parameters(tree: Tree, points: Array) -> Array:
     """Return the parameters (m,) of places nearest to ``points``, (m, d); some 5 us each."""
     found = np.empty(len(points))
-    leaves = tree.filled
-    size = max(_TOGETHER // max(len(leaves), FAN * FAN // 4), 1)
     columns = np.ascontiguousarray(points.T)
-    for start in range(0, len(points), size):
-        part = slice(start, start + size)
-        found[part] = _nearest_together(tree, leaves, columns[:, part])
+    for start in range(0, len(points), _TOGETHER):
+        part = slice(start, start + _TOGETHER)
+        found[part] = _nearest_together(tree, columns[:, part])
     return found
 
 
-def _nearest_together(tree: Tree, leaves: tuple[Leaf, ...], points: Array) -> Array:
-    m = points.shape[1]
-    query = np.arange(m).repeat(len(leaves))
-    which = np.tile(np.arange(len(leaves)), m)
+def _nearest_together(tree: Tree, points: Array) -> Array:
+    leaves: Sequence[Leaf] = tree.filled
+    if len(leaves) == 1:
+        near = _all_kept(leaves[0].nodes if _few(leaves) else leaves[0].groups, points)
+    elif len(leaves) <= FAN * FAN // 4:
+        near = _all_kept(tree.tops, points)
+    else:
+        near = _all_kept(tree.crowns, points)
+        count = len(leaves)
+        begins = np.arange(0, count, FAN)
+        near = _kept_pairs(tree.tops, points, *_children(near, begins, count))
     if len(leaves) > 1:
-        query, which, _, _ = _kept_pairs(tree.tops, points, query, which)
-        used, which = np.unique(which, return_inverse=True)
-        near = [leaves[k] for k in used.tolist()]
-    else:
-        near = list(leaves)
-    # All groups of those leaves end to end, then all pieces.
-    counts = np.array([leaf.groups.shape[1] for leaf in near])
-    query, which = _children(query, which, counts.cumsum() - counts, counts)
-    groups = _joined([leaf.groups for leaf in near])
-    query, which, _, _ = _kept_pairs(groups, points, query, which)
-    sizes = np.array([len(leaf.starts) for leaf in near])
-    begins = np.concatenate([low + np.arange(0, n, FAN) for low, n in zip(
-        (sizes.cumsum() - sizes).tolist(), sizes.tolist(), strict=True)])
-    widths = np.diff(np.append(begins, sizes.sum()))
-    query, which = _children(query, which, begins, widths)
-    nodes = _joined([leaf.nodes for leaf in near])
-    query, which, u, away = _kept_pairs(nodes, points, query, which)
-    firsts = np.flatnonzero(np.append(True, query[1:] > query[:-1]))
-    if near[0].hulls is None:
-        chosen = _first_least(away, query, firsts)
-    else:
-        hulls = np.concatenate([leaf.hulls for leaf in near if leaf.hulls is not None], axis=2)
-        u, distance = _decided_pairs(tree, hulls, points, query, which, u, firsts)
-        chosen = _first_least(distance, query, firsts)
-    starts = np.concatenate([leaf.starts for leaf in near]).take(which[chosen])
-    stops = np.concatenate([leaf.stops for leaf in near]).take(which[chosen])
-    t: Array = starts + u[chosen] * (stops - starts)
+        used, which = np.unique(near.which, return_inverse=True)
+        leaves = [leaves[k] for k in used.tolist()]
+        ends = np.cumsum([leaf.groups.shape[1] for leaf in leaves])
+        pairs = _children(near._replace(which=which), np.append(0, ends[:-1]), int(ends[-1]))
+        near = _kept_pairs(_joined([leaf.groups for leaf in leaves]), points, *pairs)
+    nodes = _joined([leaf.nodes for leaf in leaves])
+    if not _few(leaves):
+        sizes = [len(leaf.starts) for leaf in leaves]
+        lows = (np.cumsum(sizes) - sizes).tolist()
+        begins = np.concatenate(
+            [np.arange(low, low + size, FAN) for low, size in zip(lows, sizes, strict=True)]
+        )
+        near = _kept_pairs(nodes, points, *_children(near, begins, nodes.shape[1]))
+    query, which, u, away = near
+    firsts = _firsts(query)
+    if leaves[0].hulls is not None:
+        hulls = [leaf.hulls for leaf in leaves if leaf.hulls is not None]
+        joined = hulls[0] if len(hulls) == 1 else np.concatenate(hulls, axis=2)
+        u, away = _decided_pairs(tree, joined, points, near, firsts)
+    least = np.minimum.reduceat(away, firsts).take(query)
+    hits = (away == least).nonzero()[0]
+    hits = hits[_firsts(query.take(hits))]
+    which = which.take(hits)
+    starts = np.concatenate([leaf.starts for leaf in leaves]).take(which)
+    stops = np.concatenate([leaf.stops for leaf in leaves]).take(which)
+    t: Array = starts + u.take(hits) * (stops - starts)
     return np.minimum(np.maximum(t, starts), stops)
 
 
-def _children(
-    query: Indices, which: Indices, begins: Indices, counts: Indices
-) -> tuple[Indices, Indices]:
-    """Go from capsules to the ones they hold: ``counts`` of them, from ``begins`` on."""
-    many = counts.take(which)
+class Pairs(NamedTuple):
+    """Points and capsules that may hold their nearest places, by point in ascending order."""
+
+    query: Indices
+    which: Indices
+    u: Array
+    away: Array
+
+
+def _few(leaves: Sequence[Leaf]) -> bool:
+    """Whether it pays to look at all pieces at once."""
+    return len(leaves) == 1 and len(leaves[0].starts) <= 6 * FAN
+
+
+def _firsts(query: Indices) -> Indices:
+    """Return the first pair of each point."""
+    return np.flatnonzero(np.append(True, query[1:] > query[:-1]))
+
+
+def _children(near: Pairs, begins: Indices, stop: int) -> tuple[Indices, Indices]:
+    """Go from capsules to the ones they hold, which begin at ``begins``; the last at ``stop``."""
+    many = np.diff(begins, append=stop).take(near.which)
     ends = many.cumsum()
-    inner = np.arange(ends[-1]) + (begins.take(which) - (ends - many)).repeat(many)
-    return query.repeat(many), inner
+    inner = np.arange(ends[-1]) + (begins.take(near.which) - (ends - many)).repeat(many)
+    return near.query.repeat(many), inner
 
 
-def _kept_pairs(
-    nodes: Array, points: Array, query: Indices, which: Indices
-) -> tuple[Indices, Indices, Array, Array]:
-    """Keep the pairs of a point and a capsule that may hold its answer; ``query`` ascends."""
+def _all_kept(nodes: Array, points: Array) -> Pairs:
+    """Pair all points with all capsules; keep those that may hold the answer."""
+    u, away = distances(nodes[:, None], points[:, :, None])
+    radius = nodes[-1]
+    reach = (away + radius).min(axis=1)
+    query, which = (away - radius <= reach[:, None]).nonzero()
+    return Pairs(query, which, u[query, which], away[query, which])
+
+
+def _kept_pairs(nodes: Array, points: Array, query: Indices, which: Indices) -> Pairs:
+    """Keep the pairs that may hold the answer of their point."""
     pairs = nodes.take(which, axis=1)
     u, away = distances(pairs, points.take(query, axis=1))
-    firsts = np.flatnonzero(np.append(True, query[1:] > query[:-1]))
+    firsts = _firsts(query)
     radius = pairs[-1]
     reach = np.minimum.reduceat(away + radius, firsts)
-    counts = np.diff(np.append(firsts, len(query)))
+    counts = np.diff(firsts, append=len(query))
     kept = (away - radius <= reach.repeat(counts)).nonzero()[0]
-    return query.take(kept), which.take(kept), u.take(kept), away.take(kept)
-
-
-def _first_least(values: Array, query: Indices, firsts: Indices) -> Indices:
-    """Return the pair of each point with the least value."""
-    least = np.minimum.reduceat(values, firsts).take(query)
-    hits = (values == least).nonzero()[0]
-    return hits[np.append(True, query[hits][1:] > query[hits][:-1])]
+    return Pairs(query.take(kept), which.take(kept), u.take(kept), away.take(kept))
 
 
 def _decided_pairs(
-    tree: Tree,
-    hulls: Array,
-    points: Array,
-    query: Indices,
-    which: Indices,
-    u: Array,
-    firsts: Indices,
+    tree: Tree, hulls: Array, points: Array, near: Pairs, firsts: Indices
 ) -> tuple[Array, Array]:
     """Return (u, distance) of each pair: right for the pairs that hold the answer."""
     d, slack = len(points), _slack(tree, points)
-    pairs = hulls.take(which, axis=2)
-    offsets, f, g = squared(pairs, points.take(query, axis=1))
+    pairs = hulls.take(near.which, axis=2)
+    offsets, f, g = squared(pairs, points.take(near.query, axis=1))
     weights = None if g is None else pairs[:, d]
-    distance, at = least_on_pieces(offsets, weights, f, g, u)
+    distance, at = least_on_pieces(offsets, weights, f, g, near.u)
     best = np.minimum.reduceat(distance, firsts)
-    # Newton's method may have stayed in the wrong valley: that is seen, and repaired one by one.
-    order = query - query[0] if len(best) == query[-1] - query[0] + 1 else (
-        np.repeat(np.arange(len(best)), np.diff(np.append(firsts, len(query)))))
-    floor = (np.maximum(best - slack, 0.0) ** 2).take(order)
+    order = near.query  # every point has pairs
+    nearest = best.take(order)
+    floor = np.maximum(nearest - slack, 0.0) ** 2
     clear = f - (floor if g is None else floor * g)
-    open_ = ((clear.min(axis=0) < 0.0) & (best.take(order) > slack)).nonzero()[0]
-    open_ = open_[~all_clear(clear.take(open_, axis=1), at.take(open_))]
-    for k in open_.tolist():
-        nearest = float(best[order[k]])
-        found = _least(pairs, offsets, f, g, k, float(at[k]), nearest, slack)
+    doubtful = ((clear.min(axis=0) < 0.0) & (nearest > slack)).nonzero()[0]
+    if len(doubtful):
+        doubtful = doubtful[~all_clear(clear.take(doubtful, axis=1), at.take(doubtful))]
+    # Newton's method may have stayed in the wrong valley: that is seen, and mended one by one.
+    for k in doubtful.tolist():
+        least = float(best[order[k]])
+        found = _least(pairs, offsets, f, g, k, float(at[k]), least, slack)
         if found is not None:
             distance[k], at[k] = found
             best[order[k]] = found[0]

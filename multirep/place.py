@@ -26,4 +26,4 @@ def locate(curve: Representation, t: float | None, at: Sequence[float] | None) -
     if t is not None:
         return float(curve.parameters(t))
     assert at is not None
-    return curve.nearest(at).t
+    return float(curve.nearest(at).t)

@@ -18,11 +18,14 @@ from multirep.splices import SpliceList
 
 @attrs.frozen(eq=False)
 class Nearest:
-    """The place on a curve that is nearest to a given point."""
+    """The place on a curve that is nearest to a given point, or the places for many points."""
 
-    t: float
+    #: A float; (m,) for m points.
+    t: Any
+    #: (d,); (m, d) for m points.
     point: Array
-    distance: float
+    #: A float; (m,) for m points.
+    distance: Any
 
 
 class Representation(abc.ABC):
@@ -145,10 +148,30 @@ class Representation(abc.ABC):
         raise NotImplementedError(f"{self.name} offers no derivatives")
 
     def nearest(self, point: ArrayLike) -> Nearest:
-        """Return the place nearest to ``point``, by certified branch and bound on samples."""
-        from multirep.nearest import nearest_by_sampling
+        """Return the place nearest to ``point``, by certified branch and bound on samples.
 
-        return nearest_by_sampling(self, np.asarray(point, dtype=np.float64))
+        Parameters
+        ----------
+        point : (d,) or (m, d) array_like
+            One point, or many at once.
+
+        Returns
+        -------
+        Nearest
+            Of floats and one point, or of arrays. No place of the curve is nearer by more than
+            1e-10 of its size, and what rounding of the coordinates costs.
+
+        Raises
+        ------
+        InvalidCurveError
+            When a point is not finite or has another dimension.
+        """
+        from multirep.nearest import many_nearest, nearest_by_sampling
+
+        points: Array = np.asarray(point, dtype=np.float64)
+        if points.ndim == 2:
+            return many_nearest(self, points)
+        return nearest_by_sampling(self, points)
 
     @property
     def size(self) -> int:

@@ -45,7 +45,7 @@ class Tool(abc.ABC, Generic[R]):
         """
         t, at = getattr(self, "t", None), getattr(self, "at", None)
         if t is None and at is not None and _is_point(at, value.dimension):
-            t = value.nearest(at).t
+            t = float(value.nearest(at).t)
         if not isinstance(t, float | int) or not value.domain.contains(t):
             return ()
         to = getattr(self, "to", None)

@@ -11,6 +11,7 @@ half are equal.
 from __future__ import annotations
 
 from functools import cache
+from itertools import pairwise
 from math import comb
 
 import numpy as np
@@ -22,6 +23,8 @@ __all__ = ["least_on_piece", "least_on_pieces", "squared"]
 #: Newton steps at most, one by one and of many pieces at once.
 _STEPS = 12
 _STEPS_AT_ONCE = 5
+#: A step so short is the last: convergence is quadratic.
+_CONVERGED = 1e-9
 #: Halves shorter than this part of their piece are not divided again: there the coefficients are
 #: rounding errors, and what Newton's method found is as good as can be told.
 _SHORTEST = 2.0**-36
@@ -106,7 +109,7 @@ def least_on_piece(
         floor = max(best - slack, 0.0) ** 2
         if _clear(f, g, floor) or best <= slack:
             continue
-        at, left, right = _newton(f, g, guess)
+        at = _newton(f, g, guess)
         there = start + length * at
         distance = _length(offsets, g is not None, there)
         if distance < best:
@@ -116,7 +119,8 @@ def least_on_piece(
             # the nearest place stands at an end: try the part itself again, then divide it
             if _clear(f, g, floor):
                 continue
-            at, left, right = 0.5, *_halves(f, g, 0.5)
+            at = 0.5
+        left, right = _halves(f, g, at)
         for (half, weight), begin, part, end in (
             (left, start, length * at, 1.0),
             (right, start + length * at, length * (1.0 - at), 0.0),
@@ -127,7 +131,7 @@ def least_on_piece(
     return found
 
 
-Parts = tuple[list[float], list[float] | None]
+Part = tuple[list[float], list[float] | None]
 
 
 def _clear(f: list[float], g: list[float] | None, floor: float) -> bool:
@@ -137,50 +141,62 @@ def _clear(f: list[float], g: list[float] | None, floor: float) -> bool:
     return all(a >= floor * b for a, b in zip(f, g, strict=True))
 
 
-def _halves(f: list[float], g: list[float] | None, at: float) -> tuple[Parts, Parts]:
-    left, right = _divided(f, at)[:2]
+def _halves(f: list[float], g: list[float] | None, at: float) -> tuple[Part, Part]:
+    left, right = _divided(f, at)
     if g is None:
         return (left, None), (right, None)
-    below, above = _divided(g, at)[:2]
+    below, above = _divided(g, at)
     return (left, below), (right, above)
 
 
-def _divided(f: list[float], at: float) -> tuple[list[float], list[float], float, float]:
-    """De Casteljau: both halves, and the first and second derivative at the cut."""
-    rest, n = 1.0 - at, len(f) - 1
-    left, right, row = [f[0]], [f[-1]], f
-    first = second = 0.0
-    for _ in range(n):
-        if len(row) == 3:
-            second = n * (n - 1) * (row[0] - 2.0 * row[1] + row[2])
-        elif len(row) == 2:
-            first = n * (row[1] - row[0])
-        row = [rest * a + at * b for a, b in zip(row, row[1:], strict=False)]
-        left.append(row[0])
-        right.append(row[-1])
+def _divided(f: list[float], at: float) -> tuple[list[float], list[float]]:
+    """Cut in two by de Casteljau's algorithm."""
+    rest = 1.0 - at
+    left, right = [f[0]], [f[-1]]
+    while len(f) > 1:
+        f = [rest * a + at * b for a, b in pairwise(f)]
+        left.append(f[0])
+        right.append(f[-1])
     right.reverse()
-    return left, right, first, second
+    return left, right
 
 
-def _newton(f: list[float], g: list[float] | None, at: float) -> tuple[float, Parts, Parts]:
+def _newton(f: list[float], g: list[float] | None, at: float) -> float:
     """Go down from ``at`` to where the derivative of f / g vanishes, or to an end."""
-    below: list[float] | None = None
-    above: list[float] | None = None
-    for step in range(_STEPS):
-        left, right, slope, bend = _divided(f, at)
-        if g is not None:
-            below, above, first, second = _divided(g, at)
-            weight, value = below[-1], left[-1]
+    powers = _to_powers(f)
+    below = None if g is None else _to_powers(g)
+    for _ in range(_STEPS):
+        value, slope, bend = _derivatives(powers, at)
+        if below is not None:
+            weight, first, second = _derivatives(below, at)
             slope, bend = slope * weight - value * first, bend * weight - value * second
         if bend > 0.0:
-            new = at - slope / bend
+            new = min(max(at - slope / bend, 0.0), 1.0)
         else:
             new = 0.0 if slope > 0.0 else 1.0
-        new = min(max(new, 0.0), 1.0)
-        if step and abs(new - at) <= 1e-14 or new == at:
+        moved, at = abs(new - at), new
+        if moved < _CONVERGED:
             break
-        at = new
-    return at, (left, below), (right, above)
+    return at
+
+
+def _to_powers(f: list[float]) -> list[float]:
+    """Coefficients of t**n, .., t, 1: differences times binomials."""
+    n, powers = len(f) - 1, [f[0]]
+    for k in range(1, n + 1):
+        f = [b - a for a, b in pairwise(f)]
+        powers.append(f[0] * comb(n, k))
+    powers.reverse()
+    return powers
+
+
+def _derivatives(powers: list[float], at: float) -> tuple[float, float, float]:
+    value = first = half = 0.0
+    for c in powers:
+        half = half * at + first
+        first = first * at + value
+        value = value * at + c
+    return value, first, 2.0 * half
 
 
 def _length(offsets: list[list[float]], rational: bool, at: float) -> float:
@@ -189,7 +205,7 @@ def _length(offsets: list[list[float]], rational: bool, at: float) -> float:
     while len(offsets) > 1:
         offsets = [
             [rest * a + at * b for a, b in zip(low, high, strict=True)]
-            for low, high in zip(offsets, offsets[1:], strict=False)
+            for low, high in pairwise(offsets)
         ]
     row = offsets[0]
     if rational:

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from multirep.arrays import Array, Indices
 from multirep.blocks import BlockArray
 from multirep.interval import Interval
+from multirep.spline_tree import changed_spans
 from multirep.splices import SpliceList
 
 
@@ -64,19 +65,10 @@ def difference(
     """
     p, (mine, theirs) = degree, knots
     n = len(mine) - p - 1
-    low, high, _ = mine.difference(theirs)
-    equal = low == high and len(mine) == len(theirs)
-    # Spans before `first` read no changed knot and no changed row, neither do those from `last` on.
-    first, last = (n, p) if equal else (low - p, high + p - 1)
-    for here, there in rows:
-        low, high, _ = here.difference(there)
-        if low < high or len(here) != len(there):
-            equal = False
-            first, last = min(first, low), max(last, high + p)
-    first, last = max(first, p), min(last, n)
-    if equal or first >= last:
+    first, last, shift = changed_spans(degree, knots, list(rows))
+    first, last = first + p, last + p
+    if first >= last:
         return SpliceList.EMPTY
-    shift = len(theirs) - len(mine)
     # A span has the same number in both before the difference, and is shifted after it.
     other_first, other_last = min(first, n + shift - 1), max(last + shift, first + 1)
     a = mine.window(first - p, last + p + 1)

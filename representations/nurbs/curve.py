@@ -105,7 +105,7 @@ class Nurbs(NurbsValue):
         p = cls.default_degree if degree is None else degree
         knots, points = fitted_arrays(sampled, tolerance, p)
         new = cls.__new__(cls)
-        new._set(p, BlockArray.of(knots), BlockArray.of(points), None, sampled.interval, None)
+        new._set(p, BlockArray.of(knots), BlockArray.of(points), None, sampled.interval)
         return new
 
     def splice(self, sampled: SampledSplice, *, tolerance: float) -> Edit[Self]:

@@ -8,8 +8,10 @@ import numpy as np
 
 from multirep.arrays import Array, ArrayLike, frozen_array
 from multirep.blocks import BlockArray
+from multirep.capsules import Known
 from multirep.errors import EditError, InvalidCurveError, ToleranceError
 from multirep.interval import Interval
+from multirep.nearest import nearest_in_tree
 from multirep.representation import Nearest, Representation
 from multirep.representations.nurbs import changes, controls, evaluation
 from multirep.representations.nurbs.evaluation import (
@@ -18,6 +20,7 @@ from multirep.representations.nurbs.evaluation import (
     settled_at_corners,
     window_points,
 )
+from multirep.representations.nurbs.proximity import tree
 from multirep.representations.nurbs.sizes import Sizes
 from multirep.representations.nurbs.validation import validated
 from multirep.sampled import SampledSplice
@@ -39,6 +42,7 @@ class NurbsValue(Representation):
     _points: BlockArray
     _weights: BlockArray | None
     _sizes: Sizes | None
+    _known: Known
 
     def __init__(
         self,
@@ -55,7 +59,6 @@ class NurbsValue(Representation):
             BlockArray.of(rows),
             None if w is None else BlockArray.of(w),
             Interval(float(u[p]), float(u[len(rows)])),
-            None,
         )
 
     def _set(
@@ -65,7 +68,8 @@ class NurbsValue(Representation):
         points: BlockArray,
         weights: BlockArray | None,
         domain: Interval,
-        sizes: Sizes | None,
+        sizes: Sizes | None = None,
+        known: Known | None = None,
     ) -> None:
         vars(self).update(
             degree=degree,
@@ -75,6 +79,7 @@ class NurbsValue(Representation):
             _points=points,
             _weights=weights,
             _sizes=sizes,
+            _known=Known() if known is None else known,
         )
 
     def __setattr__(self, name: str, value: object) -> None:
@@ -97,6 +102,7 @@ class NurbsValue(Representation):
             self._weights if weights is None else weights,
             self.domain,
             self._sizes,
+            self._known,
         )
         return new
 
@@ -267,10 +273,8 @@ class NurbsValue(Representation):
         return settled_at_corners(values, knots, points, self.degree, t)
 
     def nearest(self, point: ArrayLike) -> Nearest:
-        """Return the nearest place; see `multirep.representations.nurbs.proximity`."""
-        from multirep.representations.nurbs.proximity import nearest
-
-        return nearest(self, np.asarray(point, dtype=np.float64))
+        """Return the nearest place, or those of many points; see `Representation.nearest`."""
+        return nearest_in_tree(self, lambda: tree(self), point)
 
     def changes(self, other: Self) -> SpliceList:
         """Where this value and ``other`` may differ; O(changed blocks)."""

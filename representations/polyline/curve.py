@@ -9,16 +9,18 @@ import numpy as np
 
 from multirep.arrays import Array, ArrayLike
 from multirep.blocks import BlockArray
+from multirep.capsules import Known
 from multirep.edit import Edit
 from multirep.errors import EditError, InvalidCurveError, ParameterError
 from multirep.interval import Interval
+from multirep.nearest import nearest_in_tree
 from multirep.representation import Nearest, Representation
 from multirep.representations.polyline.boxes import BlockBoxes
 from multirep.representations.polyline.chord_length import chord_length
 from multirep.representations.polyline.differences import changed_stretches
 from multirep.representations.polyline.evaluation import evaluate, evaluate_one, slopes
 from multirep.representations.polyline.holding import NOTHING, held, released
-from multirep.representations.polyline.proximity import nearest_place
+from multirep.representations.polyline.proximity import tree
 from multirep.representations.polyline.sampling import sample_stretch
 from multirep.representations.polyline.splicing import follow
 from multirep.representations.polyline.validation import (
@@ -70,6 +72,8 @@ class Polyline(Representation):
     #: Boxes of this value or an earlier version, from which those of this one are renewed when
     #: somebody asks.
     _known_boxes: BlockBoxes | None
+    #: What all versions share to find nearest places.
+    _known: Known
 
     def __init__(self, t: ArrayLike, points: ArrayLike) -> None:
         rows = checked_points(points)
@@ -80,7 +84,7 @@ class Polyline(Representation):
                 f"got {len(rows)} times {rows[0].tolist()}"
             )
         domain = Interval(float(values[0]), float(values[-1]))
-        self._set(BlockArray.of(values), BlockArray.of(rows), domain, None)
+        self._set(BlockArray.of(values), BlockArray.of(rows), domain, None, Known())
 
     @classmethod
     def from_points(
@@ -115,11 +119,16 @@ class Polyline(Representation):
     def _with(self, t: BlockArray, points: BlockArray) -> Self:
         """Return another version over the same T; nothing is checked."""
         new = object.__new__(type(self))
-        new._set(t, points, self.domain, self._known_boxes)
+        new._set(t, points, self.domain, self._known_boxes, self._known)
         return new
 
     def _set(
-        self, t: BlockArray, points: BlockArray, domain: Interval, boxes: BlockBoxes | None
+        self,
+        t: BlockArray,
+        points: BlockArray,
+        domain: Interval,
+        boxes: BlockBoxes | None,
+        known: Known,
     ) -> None:
         for field, value in (
             ("t", t),
@@ -127,6 +136,7 @@ class Polyline(Representation):
             ("domain", domain),
             ("dimension", points.shape[1]),
             ("_known_boxes", boxes),
+            ("_known", known),
         ):
             object.__setattr__(self, field, value)
 
@@ -240,15 +250,8 @@ class Polyline(Representation):
         return changed_stretches(self.t, self.points, other.t, other.points)
 
     def nearest(self, point: ArrayLike) -> Nearest:
-        """Return the nearest place, exact up to rounding; boxes rule out most blocks."""
-        target: Array = np.asarray(point, dtype=np.float64)
-        if target.shape != (self.dimension,) or not np.isfinite(target).all():
-            raise InvalidCurveError(
-                f"expected a finite point of {self.dimension} coordinates, got {point!r}"
-            )
-        t = nearest_place(self.t, self.points, self.boxes, target)
-        found = self(t)
-        return Nearest(t, found, float(np.linalg.norm(found - target)))
+        """Return the nearest place, exact up to rounding, or those of many points."""
+        return nearest_in_tree(self, lambda: tree(self._known, self.t, self.points), point)
 
     @property
     def boxes(self) -> BlockBoxes:

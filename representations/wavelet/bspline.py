@@ -8,18 +8,22 @@ import numpy as np
 
 from multirep.arrays import Array, ArrayLike
 from multirep.blocks import BlockArray
+from multirep.capsules import Known, Tree
 from multirep.edit import Edit
 from multirep.errors import EditError, InvalidCurveError, ToleranceError
 from multirep.interval import Interval
-from multirep.representation import Representation
+from multirep.nearest import nearest_in_tree
+from multirep.representation import Nearest, Representation
 from multirep.representations.wavelet import details, holding, levels, releasing, splicing
 from multirep.representations.wavelet.data import read, written
+from multirep.representations.wavelet.dyadic import parameters
 from multirep.representations.wavelet.filters import level_of
 from multirep.representations.wavelet.graded import Graded, clamped, differences
 from multirep.representations.wavelet.pyramid import Pyramid
 from multirep.representations.wavelet.uniform import uniform_points
 from multirep.sampled import SampledSplice
 from multirep.splices import SpliceList
+from multirep.spline_tree import spline_tree
 
 __all__ = ["WaveletBSpline"]
 
@@ -64,6 +68,7 @@ class WaveletBSpline(Representation):
     summary = "multiresolution cubic B-spline: graded dyadic knots, wavelet details"
     _graded: Graded
     _pyramids: dict[int, Pyramid]
+    _known: Known
 
     def __init__(
         self, points: ArrayLike, domain: Interval | tuple[float, float] = (0.0, 1.0)
@@ -81,24 +86,28 @@ class WaveletBSpline(Representation):
         u = clamped(np.arange((1 << level) + 1) / (1 << level))
         self._set(Graded.of(Interval.of(domain), u, rows))
 
-    def _set(self, graded: Graded) -> None:
+    def _set(self, graded: Graded, known: Known | None = None) -> None:
         self.__dict__.update(
-            domain=graded.domain, dimension=graded.points.shape[1], _graded=graded, _pyramids={}
+            domain=graded.domain,
+            dimension=graded.points.shape[1],
+            _graded=graded,
+            _pyramids={},
+            _known=Known() if known is None else known,
         )
 
     def __setattr__(self, name: str, value: object) -> None:
         raise AttributeError(f"a WaveletBSpline is immutable; cannot set {name!r}")
 
     @classmethod
-    def _of(cls, graded: Graded) -> Self:
+    def _of(cls, graded: Graded, known: Known | None = None) -> Self:
         new = cls.__new__(cls)
-        new._set(graded)
+        new._set(graded, known)
         return new
 
     def _edit(self, graded: Graded, bound: float = 0.0) -> Edit[Self]:
         if graded is self._graded:
             return Edit(self, SpliceList.EMPTY, bound)
-        return Edit(self._of(graded), differences(self._graded, graded), bound)
+        return Edit(self._of(graded, self._known), differences(self._graded, graded), bound)
 
     # -- reading -----------------------------------------------------------------------------------
 
@@ -174,6 +183,17 @@ class WaveletBSpline(Representation):
         except ValueError as error:
             raise ToleranceError(str(error), tolerance=tolerance) from None
         return SampledSplice(t, points, bound=float(bounds.max()), chord_bounds=bounds)
+
+    def nearest(self, point: ArrayLike) -> Nearest:
+        """Return the nearest place, or those of many points; see `Representation.nearest`."""
+        return nearest_in_tree(self, self._tree, point)
+
+    def _tree(self) -> Tree:
+        """Return the capsules around the pieces; O(n) at first, then O(changes)."""
+        curve = self._graded
+        return spline_tree(
+            self._known, 3, curve.u, curve.points, None, lambda u: parameters(u, curve.domain)
+        )
 
     # -- following a polyline ----------------------------------------------------------------------
 
