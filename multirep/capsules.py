@@ -22,7 +22,7 @@ import numpy as np
 from multirep.arrays import Array, Indices
 from multirep.blocks import BlockArray
 
-__all__ = ["FAN", "Known", "Leaf", "Tree", "capsules", "merged_capsules"]
+__all__ = ["FAN", "Known", "Leaf", "Pieces", "Tree", "capsule_around", "capsules"]
 
 #: How many capsules one of the next level holds.
 FAN = 16
@@ -89,16 +89,30 @@ def merged_capsules(nodes: Array, firsts: Indices) -> Array:
     return around
 
 
-@attrs.frozen(eq=False, slots=False)
-class Leaf:
-    """A few hundred neighbouring pieces of a curve.
+def capsule_around(points: Array, start: Array, stop: Array) -> Array:
+    """Return the capsule of a stretch, (2 d + 2, 1), that lies in the convex hull of ``points``.
 
     Parameters
     ----------
-    spans : int
-        How many spans of the curve the pieces are of.
+    points : (d, k) array
+    start, stop : (d,) arrays
+        The ends of the stretch.
+    """
+    around = capsules(start[:, None], stop[:, None], 0.0)
+    # The distance to a chord is convex: in the hull of points it is largest at one of them.
+    around[-1] += distances(around, points)[1].max()
+    around[-1] += _ULPS * _EPS * np.abs(points).max()
+    return around
+
+
+@attrs.frozen(eq=False)
+class Pieces:
+    """Some neighbouring pieces of a curve.
+
+    Parameters
+    ----------
     starts, stops : (k,) arrays
-        The parameters of each piece; for a leaf without pieces k is 0.
+        The parameters of each.
     nodes : (2 d + 2, k) array
         Their capsules.
     hulls : (p + 1, D, k) array, optional
@@ -106,21 +120,40 @@ class Leaf:
         the pieces are their chords.
     """
 
-    spans: int
     starts: Array
     stops: Array
     nodes: Array
     hulls: Array | None = None
 
+
+@attrs.frozen(eq=False, slots=False)
+class Leaf:
+    """A few hundred neighbouring spans of a curve; their pieces are made when first looked at.
+
+    Parameters
+    ----------
+    spans : int
+        How many.
+    whole : (2 d + 2, 1) array, or None
+        The capsule around all of them; None if all are empty.
+    make : callable
+        Makes the pieces.
+    """
+
+    spans: int
+    whole: Array | None
+    make: Callable[[], Pieces]
+
+    @cached_property
+    def pieces(self) -> Pieces:
+        """The pieces."""
+        return self.make()
+
     @cached_property
     def groups(self) -> Array:
         """The capsules of `FAN` pieces each."""
-        return merged_capsules(self.nodes, np.arange(0, self.nodes.shape[1], FAN))
-
-    @cached_property
-    def whole(self) -> Array:
-        """The capsule around all, (2 d + 2, 1)."""
-        return merged_capsules(self.groups, np.zeros(1, dtype=np.intp))
+        nodes = self.pieces.nodes
+        return merged_capsules(nodes, np.arange(0, nodes.shape[1], FAN))
 
 
 @attrs.frozen(eq=False, slots=False)
@@ -135,7 +168,9 @@ class Tree:
     >>> def build(first, stop):
     ...     low, high = vertices[:, first:stop], vertices[:, first + 1 : stop + 1]
     ...     t = np.arange(first, stop + 1.0)
-    ...     return Leaf(stop - first, t[:-1], t[1:], capsules(low, high, 0.0))
+    ...     whole = capsule_around(vertices[:, first : stop + 1], low[:, 0], high[:, -1])
+    ...     make = lambda: Pieces(t[:-1], t[1:], capsules(low, high, 0.0))
+    ...     return Leaf(stop - first, whole, make)
     >>> Tree.of(build, 2).tops.shape
     (6, 1)
     """
@@ -167,6 +202,7 @@ class Tree:
         """
         if first >= stop and not shift:
             return self
+        stop = max(stop, first, first - shift)  # the two ranges may overlap: what is kept must not
         ends = self._ends
         head = int(ends.searchsorted(first, "right"))
         begins = ends - np.array([leaf.spans for leaf in self.leaves])
@@ -185,12 +221,13 @@ class Tree:
     @cached_property
     def filled(self) -> tuple[Leaf, ...]:
         """The leaves that have pieces."""
-        return tuple(leaf for leaf in self.leaves if len(leaf.starts))
+        return tuple(leaf for leaf in self.leaves if leaf.whole is not None)
 
     @cached_property
     def tops(self) -> Array:
         """The capsules around the filled leaves, (2 d + 2, leaves)."""
-        return np.concatenate([leaf.whole for leaf in self.filled], axis=1)
+        wholes = [leaf.whole for leaf in self.leaves if leaf.whole is not None]
+        return np.concatenate(wholes, axis=1)
 
     @cached_property
     def crowns(self) -> Array:

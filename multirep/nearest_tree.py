@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from multirep.arrays import Array, Indices
-from multirep.capsules import FAN, Leaf, Tree, distances
+from multirep.capsules import FAN, Leaf, Pieces, Tree, distances
 from multirep.splines.closest import all_clear, least_on_piece, least_on_pieces, squared
 
 __all__ = ["ACCURACY", "nearest_parameter", "nearest_parameters"]
@@ -24,6 +24,8 @@ ACCURACY = 1e-10
 _ULPS = 64
 #: So many points are looked at together: more do not stay in the cache.
 _TOGETHER = 256
+#: The groups of so many leaves are looked at without asking their leaves first.
+_HANDFUL = 4
 
 _EPS = float(np.finfo(np.float64).eps)
 _CHILDREN = np.arange(FAN)
@@ -37,56 +39,58 @@ def nearest_parameter(tree: Tree, point: Array) -> float:
     """
     column = point[:, None]
     near: Sequence[Leaf] = tree.filled
-    if len(near) > 4:
+    if len(near) > _HANDFUL:
         near = [near[k] for k in _kept(tree.tops, column)[0].tolist()]
-    if len(near) == 1 and near[0].nodes.shape[1] <= FAN * FAN:
-        found, u, least = _kept(near[0].nodes, column)
-        places = [(near[0], found)]
+    if len(near) == 1 and len(near[0].pieces.starts) <= FAN * FAN:
+        found, u, least = _kept(near[0].pieces.nodes, column)
+        places = [(near[0].pieces, found)]
     else:
         rows = _rows(near, column)
-        nodes = _joined([leaf.nodes.take(which, axis=1) for leaf, which in rows])
+        nodes = _joined([pieces.nodes.take(which, axis=1) for pieces, which in rows])
         found, u, least = _kept(nodes, column)
-        places = [(leaf, which.take(mine)) for leaf, which, mine in _dealt(rows, found)]
+        places = [(pieces, which.take(mine)) for pieces, which, mine in _dealt(rows, found)]
     if places[0][0].hulls is None:
         best = int(least.argmin())
         at = float(u[best])
     else:
-        hulls = [leaf.hulls.take(which, axis=2) for leaf, which in places if leaf.hulls is not None]
+        hulls = [part.hulls.take(which, axis=2) for part, which in places if part.hulls is not None]
         joined = hulls[0] if len(hulls) == 1 else np.concatenate(hulls, axis=2)
         best, at = _decided(tree, joined, column, u, least)
-    for leaf, which in places:
+    for pieces, which in places:
         if best < len(which):
             break
         best -= len(which)
     row = int(which[best])
-    return _between(float(leaf.starts[row]), float(leaf.stops[row]), at)
+    return _between(float(pieces.starts[row]), float(pieces.stops[row]), at)
 
 
-def _rows(near: Sequence[Leaf], column: Array) -> list[tuple[Leaf, Indices]]:
+def _rows(near: Sequence[Leaf], column: Array) -> list[tuple[Pieces, Indices]]:
     """Return the pieces, leaf by leaf, whose groups may hold the nearest place."""
-    groups = _kept(_joined([leaf.groups for leaf in near]), column)[0]
+    groups = [leaf.groups for leaf in near]
+    kept = _kept(_joined(groups), column)[0]
     found = []
-    for leaf, _, mine in _dealt([(leaf, leaf.groups[0]) for leaf in near], groups):
+    parts = [(leaf.pieces, group[0]) for leaf, group in zip(near, groups, strict=True)]
+    for pieces, _, mine in _dealt(parts, kept):
         which = (FAN * mine[:, None] + _CHILDREN).ravel()
-        if which[-1] >= len(leaf.starts):
-            which = which[: which.searchsorted(len(leaf.starts))]
-        found.append((leaf, which))
+        if which[-1] >= len(pieces.starts):
+            which = which[: which.searchsorted(len(pieces.starts))]
+        found.append((pieces, which))
     return found
 
 
 def _dealt(
-    parts: Sequence[tuple[Leaf, Any]], found: Indices
-) -> Iterator[tuple[Leaf, Any, Indices]]:
+    parts: Sequence[tuple[Pieces, Any]], found: Indices
+) -> Iterator[tuple[Pieces, Any, Indices]]:
     """Deal numbers out to the parts that they are of, laid end to end: counted from each."""
     if len(parts) == 1:
         yield *parts[0], found
         return
     low, first = 0, 0
-    for leaf, which in parts:
+    for pieces, which in parts:
         low, begin = low + len(which), low
         stop = int(found.searchsorted(low))
         if stop > first:
-            yield leaf, which, found[first:stop] - begin
+            yield pieces, which, found[first:stop] - begin
             first = stop
 
 
@@ -163,8 +167,10 @@ def nearest_parameters(tree: Tree, points: Array) -> Array:
 
 def _nearest_together(tree: Tree, points: Array) -> Array:
     leaves: Sequence[Leaf] = tree.filled
-    if len(leaves) == 1:
-        near = _all_kept(leaves[0].nodes if _few(leaves) else leaves[0].groups, points)
+    if _few(leaves):
+        near = _all_kept(leaves[0].pieces.nodes, points)
+    elif len(leaves) <= _HANDFUL:
+        near = _all_kept(_joined([leaf.groups for leaf in leaves]), points)
     elif len(leaves) <= FAN * FAN // 4:
         near = _all_kept(tree.tops, points)
     else:
@@ -172,15 +178,16 @@ def _nearest_together(tree: Tree, points: Array) -> Array:
         count = len(leaves)
         begins = np.arange(0, count, FAN)
         near = _kept_pairs(tree.tops, points, *_children(near, begins, count))
-    if len(leaves) > 1:
+    if len(leaves) > _HANDFUL:
         used, which = np.unique(near.which, return_inverse=True)
         leaves = [leaves[k] for k in used.tolist()]
         ends = np.cumsum([leaf.groups.shape[1] for leaf in leaves])
         pairs = _children(near._replace(which=which), np.append(0, ends[:-1]), int(ends[-1]))
         near = _kept_pairs(_joined([leaf.groups for leaf in leaves]), points, *pairs)
-    nodes = _joined([leaf.nodes for leaf in leaves])
+    parts = [leaf.pieces for leaf in leaves]
     if not _few(leaves):
-        sizes = [len(leaf.starts) for leaf in leaves]
+        nodes = _joined([pieces.nodes for pieces in parts])
+        sizes = [len(pieces.starts) for pieces in parts]
         lows = (np.cumsum(sizes) - sizes).tolist()
         begins = np.concatenate(
             [np.arange(low, low + size, FAN) for low, size in zip(lows, sizes, strict=True)]
@@ -188,16 +195,16 @@ def _nearest_together(tree: Tree, points: Array) -> Array:
         near = _kept_pairs(nodes, points, *_children(near, begins, nodes.shape[1]))
     query, which, u, away = near
     firsts = _firsts(query)
-    if leaves[0].hulls is not None:
-        hulls = [leaf.hulls for leaf in leaves if leaf.hulls is not None]
+    if parts[0].hulls is not None:
+        hulls = [pieces.hulls for pieces in parts if pieces.hulls is not None]
         joined = hulls[0] if len(hulls) == 1 else np.concatenate(hulls, axis=2)
         u, away = _decided_pairs(tree, joined, points, near, firsts)
     least = np.minimum.reduceat(away, firsts).take(query)
     hits = (away == least).nonzero()[0]
     hits = hits[_firsts(query.take(hits))]
     which = which.take(hits)
-    starts = np.concatenate([leaf.starts for leaf in leaves]).take(which)
-    stops = np.concatenate([leaf.stops for leaf in leaves]).take(which)
+    starts = np.concatenate([pieces.starts for pieces in parts]).take(which)
+    stops = np.concatenate([pieces.stops for pieces in parts]).take(which)
     t: Array = starts + u.take(hits) * (stops - starts)
     return np.minimum(np.maximum(t, starts), stops)
 
@@ -213,7 +220,7 @@ class Pairs(NamedTuple):
 
 def _few(leaves: Sequence[Leaf]) -> bool:
     """Whether it pays to look at all pieces at once."""
-    return len(leaves) == 1 and len(leaves[0].starts) <= 6 * FAN
+    return len(leaves) == 1 and len(leaves[0].pieces.starts) <= 6 * FAN
 
 
 def _firsts(query: Indices) -> Indices:

@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 
 import numpy as np
 
 from multirep.arrays import Array, Indices
-from multirep.blocks import BlockArray
-from multirep.capsules import Known, Leaf, Tree, capsules
+from multirep.blocks import BLOCK_ROWS, BlockArray
+from multirep.capsules import Known, Leaf, Pieces, Tree, capsule_around, capsules
+from multirep.splines.evaluation import evaluate
 from multirep.splines.polar import bernstein
 
-__all__ = ["changed_spans", "spline_leaf", "spline_tree"]
+__all__ = ["changed_spans", "spline_leaf", "spline_pieces", "spline_tree"]
 
 #: Pieces that leave their chord by more than this part of the curve's size are halved, twice a
 #: round and so many rounds at most.
@@ -94,21 +96,44 @@ def changed_spans(
     """
     p, (mine, theirs) = degree, knots
     n = len(mine) - p - 1
-    shift = len(theirs) - len(mine)
-    low, high, other = mine.difference(theirs)
-    equal = low == high == other
-    first, stop = (n, p) if equal else (low - p, high + p - 1)
+    first, stop = n, p
+    if (change := _change(mine, theirs)) is not None:
+        first, stop = change[0] - p, change[1] + p - 1
     for here, there in rows:
-        low, high, other = here.difference(there)
-        if not low == high == other:
-            first, stop = min(first, low), max(stop, high + p)
-    return max(first, p) - p, min(stop, n) - p, shift
+        if (change := _change(here, there)) is not None:
+            first, stop = min(first, change[0]), max(stop, change[1] + p)
+    return max(first, p) - p, min(stop, n) - p, len(theirs) - len(mine)
+
+
+def _change(mine: BlockArray, theirs: BlockArray) -> tuple[int, int] | None:
+    """Return rows low, high: before low both are equal, and from high on, counted from the end.
+
+    Unlike those of `BlockArray.difference` the two may overlap: in a row of equal numbers nobody
+    can tell where one more was inserted, but the other arrays of the spline can.
+    """
+    low, high, other = mine.difference(theirs)
+    if low == high == other:
+        return None
+    if len(mine) == len(theirs):
+        return low, high
+    tail = 0
+    for here, there in zip(reversed(mine.blocks), reversed(theirs.blocks), strict=False):
+        if here is not there:
+            break
+        tail += len(here)
+    count = min(len(mine), len(theirs)) - tail
+    count = min(count, max(2 * BLOCK_ROWS, len(mine) - high - tail))
+    a = mine.window(len(mine) - tail - count, len(mine) - tail)
+    b = theirs.window(len(theirs) - tail - count, len(theirs) - tail)
+    differs = (a.view(np.int64) != b.view(np.int64)).reshape(count, -1).any(axis=1)[::-1]
+    tail += int(differs.argmax()) if differs.any() else count
+    return low, len(mine) - tail
 
 
 def spline_leaf(
     knots: Array, coefficients: Array, degree: int, size: float, *, rational: bool = False
 ) -> Leaf:
-    """Cut the spans of a window into pieces and put capsules around them.
+    """Put a capsule around a window of a spline; its pieces are made when they are looked at.
 
     Parameters
     ----------
@@ -124,11 +149,27 @@ def spline_leaf(
     -------
     Leaf
         Of n - p spans, empty ones included.
+    """
+    count = len(coefficients)
+    ends = knots[[degree, count]]
+    whole = None
+    if ends[0] < ends[1]:
+        points = coefficients
+        there = evaluate(knots, coefficients, degree, ends)
+        if rational:
+            points, there = points[:, :-1] / points[:, -1:], there[:, :-1] / there[:, -1:]
+        whole = capsule_around(points.T, there[0], there[1])
+    make = partial(spline_pieces, knots, coefficients, degree, size, rational)
+    return Leaf(count - degree, whole, make)
 
-    Notes
-    -----
+
+def spline_pieces(
+    knots: Array, coefficients: Array, degree: int, size: float, rational: bool
+) -> Pieces:
+    """Cut the spans of a window into pieces that are nearly straight and put capsules around them.
+
     A piece lies in the convex hull of its Bernstein points, since weights are positive: so no
-    farther from its chord than they.
+    farther from its chord than they. See `spline_leaf`.
     """
     count = len(coefficients)
     spans = np.flatnonzero(knots[degree:count] < knots[degree + 1 : count + 1]) + degree
@@ -142,7 +183,7 @@ def spline_leaf(
             break
         spans, starts, stops = _cut(spans, starts, stops, bent)
     nodes[-1] = radius
-    return Leaf(count - degree, starts, stops, nodes, np.ascontiguousarray(hulls))
+    return Pieces(starts, stops, nodes, np.ascontiguousarray(hulls))
 
 
 def _cut(

@@ -28,6 +28,8 @@ _CONVERGED = 1e-9
 #: Halves shorter than this part of their piece are not divided again: there the coefficients are
 #: rounding errors, and what Newton's method found is as good as can be told.
 _SHORTEST = 2.0**-36
+#: Parts are not divided nearer to their ends than this.
+_FROM_END = 2.0**-20
 
 
 @cache
@@ -104,10 +106,10 @@ def least_on_piece(
     found: tuple[float, float] | None = None
     # Parts still to be looked at: coefficients, where they begin, how long they are.
     parts = [(f, g, 0.0, 1.0, u)]
-    while parts:
+    while parts and best > slack:
         f, g, start, length, guess = parts.pop()
         floor = max(best - slack, 0.0) ** 2
-        if _clear(f, g, floor) or best <= slack:
+        if min(_above(f, g, floor)) >= 0.0:
             continue
         at = _newton(f, g, guess)
         there = start + length * at
@@ -115,38 +117,32 @@ def least_on_piece(
         if distance < best:
             best, found = distance, (distance, there)
             floor = max(best - slack, 0.0) ** 2
-        if not 0.0 < at < 1.0 or min(at, 1.0 - at) < 2.0**-20:
+        above = _above(f, g, floor)
+        if not _FROM_END < at < 1.0 - _FROM_END:
             # the nearest place stands at an end: try the part itself again, then divide it
-            if _clear(f, g, floor):
+            if min(above) >= 0.0:
                 continue
             at = 0.5
-        left, right = _halves(f, g, at)
-        for (half, weight), begin, part, end in (
-            (left, start, length * at, 1.0),
-            (right, start + length * at, length * (1.0 - at), 0.0),
-        ):
-            if part > _SHORTEST and not _clear(half, weight, floor):
-                k = min(range(len(half)), key=half.__getitem__) / (len(half) - 1)
-                parts.append((half, weight, begin, part, 0.5 if k == end else k))
+        left, right = map(min, _divided(above, at))
+        if left >= 0.0 <= right:
+            continue
+        fs = _divided(f, at)
+        gs = (None, None) if g is None else _divided(g, at)
+        lengths = length * at, length * (1.0 - at)
+        starts = start, start + length * at
+        for k, least in enumerate((left, right)):
+            if least < 0.0 and lengths[k] > _SHORTEST:
+                half = fs[k]
+                lowest = min(range(len(half)), key=half.__getitem__) / (len(half) - 1)
+                parts.append((half, gs[k], starts[k], lengths[k], lowest))
     return found
 
 
-Part = tuple[list[float], list[float] | None]
-
-
-def _clear(f: list[float], g: list[float] | None, floor: float) -> bool:
-    """Whether no place is nearer than the root of ``floor``, by the coefficients alone."""
+def _above(f: list[float], g: list[float] | None, floor: float) -> list[float]:
+    """Coefficients of f - floor g: none is negative where no place is nearer than its root."""
     if g is None:
-        return min(f) >= floor
-    return all(a >= floor * b for a, b in zip(f, g, strict=True))
-
-
-def _halves(f: list[float], g: list[float] | None, at: float) -> tuple[Part, Part]:
-    left, right = _divided(f, at)
-    if g is None:
-        return (left, None), (right, None)
-    below, above = _divided(g, at)
-    return (left, below), (right, above)
+        return [a - floor for a in f]
+    return [a - floor * b for a, b in zip(f, g, strict=True)]
 
 
 def _divided(f: list[float], at: float) -> tuple[list[float], list[float]]:

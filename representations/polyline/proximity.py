@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-import numpy as np
+from functools import partial
 
+from multirep.arrays import Array
 from multirep.blocks import BlockArray
-from multirep.capsules import Known, Leaf, Tree, capsules
+from multirep.capsules import Known, Leaf, Pieces, Tree, capsule_around, capsules
 
 
 def tree(known: Known, t: BlockArray, points: BlockArray) -> Tree:
@@ -23,8 +24,9 @@ def tree(known: Known, t: BlockArray, points: BlockArray) -> Tree:
 
     def build(first: int, stop: int) -> Leaf:
         at = t.window(first, stop + 1)
-        columns = np.ascontiguousarray(points.window(first, stop + 1).T)
-        return Leaf(stop - first, at[:-1], at[1:], capsules(columns[:, :-1], columns[:, 1:], 0.0))
+        columns = points.window(first, stop + 1).T
+        whole = capsule_around(columns, columns[:, 0], columns[:, -1])
+        return Leaf(stop - first, whole, partial(_pieces, at, columns))
 
     if known.arrays:
         # Segment i joins vertices i and i + 1.
@@ -40,3 +42,7 @@ def tree(known: Known, t: BlockArray, points: BlockArray) -> Tree:
         made = Tree.of(build, len(t) - 1)
     known.learn((t, points), made)
     return made
+
+
+def _pieces(t: Array, columns: Array) -> Pieces:
+    return Pieces(t[:-1], t[1:], capsules(columns[:, :-1], columns[:, 1:], 0.0))

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 import pytest
 
-from multirep import blocks
+from multirep import blocks, capsules, nearest_tree
 from multirep.arrays import Array
 from multirep.edit import Edit
 from multirep.representations.polyline import (
@@ -15,7 +15,6 @@ from multirep.representations.polyline import (
     boxes,
     differences,
     evaluation,
-    proximity,
 )
 from multirep.sampled import SampledSplice
 
@@ -81,7 +80,9 @@ def tiny_blocks() -> Iterator[None]:
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(blocks, "BLOCK_ROWS", 8)
         patch.setattr(boxes, "LEAF", 3)
-        patch.setattr(proximity, "LEAF", 3)
+        patch.setattr(capsules, "FAN", 2)
+        patch.setattr(nearest_tree, "FAN", 2)
+        patch.setattr(nearest_tree, "_CHILDREN", np.arange(2))
         patch.setattr(differences, "NARROW", 4)
         patch.setattr(evaluation, "NARROW", 4)
         yield
