@@ -14,7 +14,7 @@ import numpy as np
 
 from multirep.arrays import Array, Indices
 from multirep.capsules import FAN, Leaf, Pieces, Tree, distances
-from multirep.splines.closest import all_clear, least_on_piece, least_on_pieces, squared
+from multirep.splines.closest import NOISE, all_clear, least_on_piece, least_on_pieces, squared
 
 __all__ = ["ACCURACY", "nearest_parameter", "nearest_parameters"]
 
@@ -134,7 +134,7 @@ def _decided(
             left = left[least[left] <= distance]
             floor = max(distance - slack, 0.0) ** 2
             clear = f[:, left] - (floor if g is None else floor * g[:, left])
-            left = left[clear.min(axis=0) < 0.0]
+            left = left[clear.min(axis=0) < NOISE * f[:, left].max(axis=0)]
     return best, at
 
 
@@ -271,6 +271,7 @@ def _decided_pairs(
     nearest = best.take(order)
     floor = np.maximum(nearest - slack, 0.0) ** 2
     clear = f - (floor if g is None else floor * g)
+    clear -= NOISE * f.max(axis=0)
     doubtful = ((clear.min(axis=0) < 0.0) & (nearest > slack)).nonzero()[0]
     if len(doubtful):
         doubtful = doubtful[~all_clear(clear.take(doubtful, axis=1), at.take(doubtful))]

@@ -18,18 +18,25 @@ import numpy as np
 
 from multirep.splines.arrays import Array
 
-__all__ = ["least_on_piece", "least_on_pieces", "squared"]
+__all__ = ["NOISE", "all_clear", "least_on_piece", "least_on_pieces", "squared"]
 
 #: Newton steps at most, one by one and of many pieces at once.
 _STEPS = 12
 _STEPS_AT_ONCE = 5
+#: Gauss-Newton steps at most.
+_POLISH = 4
 #: A step so short is the last: convergence is quadratic.
 _CONVERGED = 1e-9
 #: Halves shorter than this part of their piece are not divided again: there the coefficients are
 #: rounding errors, and what Newton's method found is as good as can be told.
-_SHORTEST = 2.0**-36
+_SHORTEST = 2.0**-20
 #: Parts are not divided nearer to their ends than this.
 _FROM_END = 2.0**-20
+#: Rounding of coefficients, as a part of the largest of them.
+NOISE = 64 * 2.0**-53
+#: Where the squared distance is less than so many times that, it says little about where the
+#: nearest place is, and the point itself is asked.
+_NEAR = 2.0**20
 
 
 @cache
@@ -104,34 +111,35 @@ def least_on_piece(
         the slack.
     """
     found: tuple[float, float] | None = None
+    noise = NOISE * max(f)
     # Parts still to be looked at: coefficients, where they begin, how long they are.
     parts = [(f, g, 0.0, 1.0, u)]
     while parts and best > slack:
         f, g, start, length, guess = parts.pop()
         floor = max(best - slack, 0.0) ** 2
-        if min(_above(f, g, floor)) >= 0.0:
+        if min(_above(f, g, floor)) >= noise:
             continue
         at = _newton(f, g, guess)
         there = start + length * at
-        distance = _length(offsets, g is not None, there)
+        distance, there = _polished(offsets, g is not None, there, _NEAR * noise)
         if distance < best:
             best, found = distance, (distance, there)
             floor = max(best - slack, 0.0) ** 2
         above = _above(f, g, floor)
         if not _FROM_END < at < 1.0 - _FROM_END:
             # the nearest place stands at an end: try the part itself again, then divide it
-            if min(above) >= 0.0:
+            if min(above) >= noise:
                 continue
             at = 0.5
         left, right = map(min, _divided(above, at))
-        if left >= 0.0 <= right:
+        if left >= noise <= right:
             continue
         fs = _divided(f, at)
         gs = (None, None) if g is None else _divided(g, at)
         lengths = length * at, length * (1.0 - at)
         starts = start, start + length * at
         for k, least in enumerate((left, right)):
-            if least < 0.0 and lengths[k] > _SHORTEST:
+            if least < noise and lengths[k] > _SHORTEST:
                 half = fs[k]
                 lowest = min(range(len(half)), key=half.__getitem__) / (len(half) - 1)
                 parts.append((half, gs[k], starts[k], lengths[k], lowest))
@@ -195,18 +203,44 @@ def _derivatives(powers: list[float], at: float) -> tuple[float, float, float]:
     return value, first, 2.0 * half
 
 
-def _length(offsets: list[list[float]], rational: bool, at: float) -> float:
-    """Evaluate |N / w|; the weight is the last of each row."""
-    rest = 1.0 - at
-    while len(offsets) > 1:
+def _polished(
+    offsets: list[list[float]], rational: bool, at: float, near: float
+) -> tuple[float, float]:
+    """Return |N / w| and the place, which Gauss-Newton steps improve where the square is small."""
+    square, value, slope = _offset(offsets, rational, at)
+    for _ in range(_POLISH):
+        if square >= near:
+            break
+        speed = sum(x * x for x in slope)
+        if not speed:
+            break
+        new = at - sum(x * y for x, y in zip(value, slope, strict=True)) / speed
+        new = min(max(new, 0.0), 1.0)
+        moved, value, slope = _offset(offsets, rational, new)
+        if moved >= square:
+            break
+        square, at = moved, new
+    return square**0.5, at
+
+
+def _offset(
+    offsets: list[list[float]], rational: bool, at: float
+) -> tuple[float, list[float], list[float]]:
+    """|N / w|**2, N / w and its derivative; the weight is the last of each row."""
+    rest, degree = 1.0 - at, len(offsets) - 1
+    while len(offsets) > 2:
         offsets = [
             [rest * a + at * b for a, b in zip(low, high, strict=True)]
             for low, high in pairwise(offsets)
         ]
-    row = offsets[0]
+    low, high = offsets
+    value = [rest * a + at * b for a, b in zip(low, high, strict=True)]
+    slope = [degree * (b - a) for a, b in zip(low, high, strict=True)]
     if rational:
-        row = [x / row[-1] for x in row[:-1]]
-    return float(sum(x * x for x in row) ** 0.5)
+        weight, change = value.pop(), slope.pop()
+        value = [x / weight for x in value]
+        slope = [(y - x * change) / weight for x, y in zip(value, slope, strict=True)]
+    return sum(x * x for x in value), value, slope
 
 
 @cache
@@ -262,15 +296,42 @@ def least_on_pieces(
         u = u - step
         np.maximum(u, 0.0, out=u)
         np.minimum(u, 1.0, out=u)
-    rest = 1.0 - u
-    rows = list(offsets)
-    bottoms = None if weights is None else list(weights)
-    while len(rows) > 1:
-        rows = [rest * a + u * b for a, b in zip(rows, rows[1:], strict=False)]
-        if bottoms is not None:
-            bottoms = [rest * a + u * b for a, b in zip(bottoms, bottoms[1:], strict=False)]
-    distance = np.sqrt(np.einsum("dm,dm->m", rows[0], rows[0]))
-    return distance if bottoms is None else distance / bottoms[0], u
+    square, value, slope = _offsets(offsets, weights, u)
+    near = (square < _NEAR * NOISE * f.max(axis=0)).nonzero()[0]
+    if len(near):
+        offsets = offsets[:, :, near]
+        weights = None if weights is None else weights[:, near]
+        least, at, value, slope = square[near], u[near], value[:, near], slope[:, near]
+        for _ in range(_POLISH):
+            speed = np.einsum("dm,dm->m", slope, slope)
+            step = np.einsum("dm,dm->m", value, slope) / np.where(speed > 0.0, speed, 1.0)
+            new = np.minimum(np.maximum(at - step, 0.0), 1.0)
+            moved, value, slope = _offsets(offsets, weights, new)
+            better = moved < least
+            if not better.any():
+                break
+            least, at = np.where(better, moved, least), np.where(better, new, at)
+        u[near], square[near] = at, least
+    return np.sqrt(square), u
+
+
+def _offsets(offsets: Array, weights: Array | None, u: Array) -> tuple[Array, Array, Array]:
+    """|N / w|**2, N / w and its derivative, (m,) and twice (d, m)."""
+    value, slope = _cast(offsets, u)
+    if weights is not None:
+        weight, change = _cast(weights, u)
+        value = value / weight
+        slope = (slope - value * change) / weight
+    return np.einsum("dm,dm->m", value, value), value, slope
+
+
+def _cast(rows: Array, u: Array) -> tuple[Array, Array]:
+    """De Casteljau: the value and the derivative."""
+    rest, degree = 1.0 - u, len(rows) - 1
+    for _ in range(degree - 1):
+        rows = rest * rows[:-1] + u * rows[1:]
+    low, high = rows
+    return rest * low + u * high, degree * (high - low)
 
 
 def _horner(powers: Array, u: Array) -> Array:
