@@ -15,6 +15,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from functools import cached_property
+from itertools import pairwise
 
 import attrs
 import numpy as np
@@ -182,9 +183,7 @@ class Tree:
         """Build all leaves of a curve of ``count`` spans; ``build(first, stop)`` makes one."""
         return cls(tuple(_built(build, 0, count)))
 
-    def renewed(
-        self, build: Callable[[int, int], Leaf], first: int, stop: int, shift: int
-    ) -> Tree:
+    def renewed(self, build: Callable[[int, int], Leaf], first: int, stop: int, shift: int) -> Tree:
         """Return the tree of another version of the curve.
 
         Parameters
@@ -281,4 +280,4 @@ def _built(build: Callable[[int, int], Leaf], low: int, high: int) -> Iterable[L
     """Build leaves of at most `FAN`**2 spans, about equally many each."""
     count = -(-(high - low) // FAN**2)
     marks = [low + (high - low) * k // count for k in range(count)] + [high] if count else []
-    return [build(i, j) for i, j in zip(marks[:-1], marks[1:], strict=True)]
+    return [build(i, j) for i, j in pairwise(marks)]

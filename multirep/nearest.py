@@ -27,9 +27,7 @@ TIGHTENING = 1 / 64
 ACCURACY = 1e-10
 
 
-def nearest_in_tree(
-    curve: Representation, tree: Callable[[], Tree], point: ArrayLike
-) -> Nearest:
+def nearest_in_tree(curve: Representation, tree: Callable[[], Tree], point: ArrayLike) -> Nearest:
     """Find the place nearest to a point, or those of many, in a tree of capsules.
 
     Parameters

@@ -14,7 +14,8 @@ import numpy as np
 
 from multirep.arrays import Array, Indices
 from multirep.capsules import FAN, Leaf, Pieces, Tree, distances
-from multirep.splines.closest import NOISE, all_clear, least_on_piece, least_on_pieces, squared
+from multirep.errors import InvariantError
+from multirep.splines.closest import NOISE, least_on_piece, least_on_pieces, not_clear, squared
 
 __all__ = ["ACCURACY", "nearest_parameter", "nearest_parameters"]
 
@@ -56,12 +57,12 @@ def nearest_parameter(tree: Tree, point: Array) -> float:
         hulls = [part.hulls.take(which, axis=2) for part, which in places if part.hulls is not None]
         joined = hulls[0] if len(hulls) == 1 else np.concatenate(hulls, axis=2)
         best, at = _decided(tree, joined, column, u, least)
-    for pieces, which in places:
-        if best < len(which):
-            break
-        best -= len(which)
-    row = int(which[best])
-    return _between(float(pieces.starts[row]), float(pieces.stops[row]), at)
+    for part, rows_of_part in places:
+        if best < len(rows_of_part):
+            row = int(rows_of_part[best])
+            return _between(float(part.starts[row]), float(part.stops[row]), at)
+        best -= len(rows_of_part)
+    raise InvariantError("a place in no piece", best)
 
 
 def _rows(near: Sequence[Leaf], column: Array) -> list[tuple[Pieces, Indices]]:
@@ -111,17 +112,16 @@ def _between(start: float, stop: float, at: float) -> float:
     return min(max(start + at * (stop - start), start), stop)
 
 
-def _slack(tree: Tree, points: Array) -> float:
-    size = float(np.abs(points).max()) + tree.magnitude
-    return ACCURACY * tree.extent + _ULPS * _EPS * size
+def _slack(tree: Tree, points: Array) -> Array:
+    """How much nearer than the answer a place may be, for each column of ``points``."""
+    sizes: Array = np.abs(points).max(axis=0) + tree.magnitude
+    return ACCURACY * tree.extent + _ULPS * _EPS * sizes
 
 
-def _decided(
-    tree: Tree, hulls: Array, column: Array, u: Array, least: Array
-) -> tuple[int, float]:
+def _decided(tree: Tree, hulls: Array, column: Array, u: Array, least: Array) -> tuple[int, float]:
     """Return which of some pieces holds the nearest place, and where on it."""
     offsets, f, g = squared(hulls, column)
-    slack = _slack(tree, column)
+    slack = float(_slack(tree, column)[0])
     best, at, distance = 0, 0.0, np.inf
     left = least.argsort(kind="stable")
     while len(left):
@@ -206,7 +206,7 @@ def _nearest_together(tree: Tree, points: Array) -> Array:
     starts = np.concatenate([pieces.starts for pieces in parts]).take(which)
     stops = np.concatenate([pieces.stops for pieces in parts]).take(which)
     t: Array = starts + u.take(hits) * (stops - starts)
-    return np.minimum(np.maximum(t, starts), stops)
+    return np.asarray(np.minimum(np.maximum(t, starts), stops))
 
 
 class Pairs(NamedTuple):
@@ -268,17 +268,17 @@ def _decided_pairs(
     distance, at = least_on_pieces(offsets, weights, f, g, near.u)
     best = np.minimum.reduceat(distance, firsts)
     order = near.query  # every point has pairs
-    nearest = best.take(order)
-    floor = np.maximum(nearest - slack, 0.0) ** 2
+    nearest, slacks = best.take(order), slack.take(order)
+    floor = np.maximum(nearest - slacks, 0.0) ** 2
     clear = f - (floor if g is None else floor * g)
     clear -= NOISE * f.max(axis=0)
-    doubtful = ((clear.min(axis=0) < 0.0) & (nearest > slack)).nonzero()[0]
+    doubtful = ((clear.min(axis=0) < 0.0) & (nearest > slacks)).nonzero()[0]
     if len(doubtful):
-        doubtful = doubtful[~all_clear(clear.take(doubtful, axis=1), at.take(doubtful))]
+        doubtful = doubtful[not_clear(clear.take(doubtful, axis=1), at.take(doubtful))]
     # Newton's method may have stayed in the wrong valley: that is seen, and mended one by one.
     for k in doubtful.tolist():
         least = float(best[order[k]])
-        found = _least(pairs, offsets, f, g, k, float(at[k]), least, slack)
+        found = _least(pairs, offsets, f, g, k, float(at[k]), least, float(slacks[k]))
         if found is not None:
             distance[k], at[k] = found
             best[order[k]] = found[0]

@@ -7,7 +7,7 @@ from functools import partial
 
 import numpy as np
 
-from multirep.arrays import Array, Indices
+from multirep.arrays import Array, Flags, Indices
 from multirep.blocks import BLOCK_ROWS, BlockArray
 from multirep.capsules import Known, Leaf, Pieces, Tree, capsule_around, capsules
 from multirep.splines.evaluation import evaluate
@@ -186,11 +186,11 @@ def spline_pieces(
     return Pieces(starts, stops, nodes, np.ascontiguousarray(hulls))
 
 
-def _cut(
-    spans: Indices, starts: Array, stops: Array, bent: Array
-) -> tuple[Indices, Array, Array]:
+def _cut(spans: Indices, starts: Array, stops: Array, bent: Flags) -> tuple[Indices, Array, Array]:
     """Cut the bent pieces in four, where floating-point numbers allow it."""
-    parts = np.where(bent & (stops - starts > 64 * np.spacing(np.abs(starts) + np.abs(stops))), 4, 1)
+    parts = np.where(
+        bent & (stops - starts > 64 * np.spacing(np.abs(starts) + np.abs(stops))), 4, 1
+    )
     ends = parts.cumsum()
     share = (np.arange(ends[-1]) - (ends - parts).repeat(parts)) / parts.repeat(parts)
     cuts = starts.repeat(parts) + share * (stops - starts).repeat(parts)

@@ -16,9 +16,10 @@ from math import comb
 
 import numpy as np
 
+from multirep.arrays import Flags
 from multirep.splines.arrays import Array
 
-__all__ = ["NOISE", "all_clear", "least_on_piece", "least_on_pieces", "squared"]
+__all__ = ["NOISE", "least_on_piece", "least_on_pieces", "not_clear", "squared"]
 
 #: Newton steps at most, one by one and of many pieces at once.
 _STEPS = 12
@@ -77,8 +78,7 @@ def squared(hulls: Array, points: Array) -> tuple[Array, Array, Array | None]:
     else:
         weights = hulls[:, d]
         offsets = hulls[:, :d] - weights[:, None] * points
-        pairs = weights[:, None] * weights
-        g = product @ pairs.reshape(-1, count)
+        g = product @ (weights[:, None] * weights).reshape(-1, count)
     pairs = np.einsum("idm,jdm->ijm", offsets, offsets)
     return offsets, product @ pairs.reshape(-1, count), g
 
@@ -335,19 +335,19 @@ def _cast(rows: Array, u: Array) -> tuple[Array, Array]:
 
 
 def _horner(powers: Array, u: Array) -> Array:
-    value = powers[-1]
+    value: Array = powers[-1]
     for row in powers[-2::-1]:
         value = value * u
         value += row
     return value
 
 
-def all_clear(f: Array, u: Array) -> Array:
-    """Whether both halves, divided at ``u``, (m,), have no negative coefficient; (m,)."""
+def not_clear(f: Array, u: Array) -> Flags:
+    """Whether a half, divided at ``u``, (m,), has a negative coefficient; (m,)."""
     rest = 1.0 - u
     least = np.minimum(f[0], f[-1])
     while len(f) > 1:
         f = rest * f[:-1] + u * f[1:]
         np.minimum(least, f[0], out=least)
         np.minimum(least, f[-1], out=least)
-    return np.asarray(least >= 0.0)
+    return np.asarray(least < 0.0)

@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from multirep.arrays import Array, Indices
 from multirep.blocks import BlockArray
 from multirep.interval import Interval
-from multirep.spline_tree import changed_spans
 from multirep.splices import SpliceList
+from multirep.spline_tree import changed_spans
 
 
 def merged(starts: Array, stops: Array, domain: Interval) -> SpliceList:

@@ -228,7 +228,9 @@ def test_points_and_far_chords_are_capsules() -> None:
     starts, stops = np.zeros((2, 2)), np.array([[0.0, 1e-200], [0.0, 0.0]])
     nodes = capsules(starts, stops, 0.0)
     u, away = distances(nodes, np.array([[3.0], [4.0]]))
-    assert (u == 0).all() and (away == 5).all() and nodes[-1, 1] >= 1e-200
+    assert (u == 0).all()
+    assert (away == 5).all()
+    assert nodes[-1, 1] >= 1e-200
     around = capsule_around(np.array([[0.0, 1.0, 2.0], [0.0, 1.0, 0.0]]), *np.eye(2) * 0)
     assert around[-1, 0] == pytest.approx(2.0)
 
@@ -284,9 +286,7 @@ def test_pieces_far_away_are_not_made() -> None:
 def test_answers_do_not_depend_on_the_history(steps: list[tuple[int, int]]) -> None:
     """After any edits, undone or not, the answer is that of a value made from nothing."""
     rng = np.random.default_rng(4)
-    versions: list[Polyline] = [
-        Polyline(np.arange(60.0), rng.normal(size=(60, 2)).cumsum(axis=0))
-    ]
+    versions: list[Polyline] = [Polyline(np.arange(60.0), rng.normal(size=(60, 2)).cumsum(axis=0))]
     for what, number in steps:
         curve = versions[-1]
         k = 1 + number % (curve.size - 2)
@@ -320,7 +320,7 @@ def test_many_points_of_any_representation() -> None:
     """Arrays come back for (m, d) points, also none; other shapes are refused."""
     curve = wild_curve(2, degree=2, rational=False)
     none = curve.nearest(np.empty((0, 2)))
-    assert none.t.shape == (0,) and none.point.shape == (0, 2) and none.distance.shape == (0,)
+    assert (none.t.shape, none.point.shape, none.distance.shape) == ((0,), (0, 2), (0,))
     for wrong in (np.zeros((3, 3)), np.zeros((1, 1, 2)), [[0.0, np.inf]], 1.0):
         with pytest.raises(InvalidCurveError, match="2 coordinates"):
             curve.nearest(wrong)
