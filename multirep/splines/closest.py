@@ -44,7 +44,7 @@ _NEAR = 2.0**20
 def _product(degree: int) -> Array:
     """Matrix from the products of coefficients i, j to the coefficients of the product."""
     p = degree
-    matrix = np.zeros((2 * p + 1, p + 1, p + 1))
+    matrix: Array = np.zeros((2 * p + 1, p + 1, p + 1))
     for i in range(p + 1):
         for j in range(p + 1):
             matrix[i + j, i, j] = comb(p, i) * comb(p, j) / comb(2 * p, i + j)

@@ -19,13 +19,19 @@ Side = Literal["left", "right"]
 
 #: So few corners are compared with all parameters, which is faster than looking each up.
 FEW_CORNERS = 4
+#: So few rows are multiplied and divided at once.
+FEW_ROWS = 64
 
 
 def homogeneous(points: Array, weights: Array) -> Array:
     """Return ``(w x, w y, .., w)`` rows, (n, d + 1)."""
     n, d = points.shape
     rows = np.empty((n, d + 1))
-    np.multiply(points, weights[:, None], out=rows[:, :d])
+    if n < FEW_ROWS:
+        np.multiply(points, weights[:, None], out=rows[:, :d])
+    else:  # column by column: numpy is slow along rows of two or three
+        for k in range(d):
+            np.multiply(points[:, k], weights, out=rows[:, k])
     rows[:, d] = weights
     return rows
 
@@ -56,7 +62,12 @@ def window_points(
     if plain is not None:
         spans = find_spans(knots, degree, t)
         w = np.where(plain[spans - degree], 1.0, w)
-    return np.asarray(values[:, :-1] / w[:, None])
+    if len(t) < FEW_ROWS:
+        return np.asarray(values[:, :-1] / w[:, None])
+    found = np.empty((len(t), points.shape[1]))
+    for k in range(points.shape[1]):
+        np.divide(values[:, k], w, out=found[:, k])
+    return found
 
 
 def settled_at_corners(values: Array, knots: Array, points: Array, degree: int, t: Array) -> Array:

@@ -8,7 +8,7 @@ import numpy as np
 
 from multirep.arrays import Array, ArrayLike
 from multirep.blocks import BlockArray
-from multirep.capsules import Known, Tree
+from multirep.capsules import Known
 from multirep.edit import Edit
 from multirep.errors import EditError, InvalidCurveError, ToleranceError
 from multirep.interval import Interval
@@ -16,14 +16,13 @@ from multirep.nearest import nearest_in_tree
 from multirep.representation import Nearest, Representation
 from multirep.representations.wavelet import details, holding, levels, releasing, splicing
 from multirep.representations.wavelet.data import read, written
-from multirep.representations.wavelet.dyadic import parameters
 from multirep.representations.wavelet.filters import level_of
 from multirep.representations.wavelet.graded import Graded, clamped, differences
+from multirep.representations.wavelet.proximity import tree
 from multirep.representations.wavelet.pyramid import Pyramid
 from multirep.representations.wavelet.uniform import uniform_points
 from multirep.sampled import SampledSplice
 from multirep.splices import SpliceList
-from multirep.spline_tree import spline_tree
 
 __all__ = ["WaveletBSpline"]
 
@@ -87,13 +86,8 @@ class WaveletBSpline(Representation):
         self._set(Graded.of(Interval.of(domain), u, rows))
 
     def _set(self, graded: Graded, known: Known | None = None) -> None:
-        self.__dict__.update(
-            domain=graded.domain,
-            dimension=graded.points.shape[1],
-            _graded=graded,
-            _pyramids={},
-            _known=Known() if known is None else known,
-        )
+        self.__dict__.update(domain=graded.domain, dimension=graded.points.shape[1])
+        self.__dict__.update(_graded=graded, _pyramids={}, _known=known or Known())
 
     def __setattr__(self, name: str, value: object) -> None:
         raise AttributeError(f"a WaveletBSpline is immutable; cannot set {name!r}")
@@ -138,8 +132,6 @@ class WaveletBSpline(Representation):
 
     def __call__(self, t: ArrayLike) -> Array:
         """Points at parameters: scalar -> (d,), (m,) -> (m, d); ParameterError outside T."""
-        if isinstance(t, float) and self.domain.start <= t <= self.domain.stop:
-            return self._graded.point(t)
         at = self.parameters(t)
         if at.ndim == 0:
             return self._graded.point(float(at))
@@ -186,14 +178,7 @@ class WaveletBSpline(Representation):
 
     def nearest(self, point: ArrayLike) -> Nearest:
         """Return the nearest place, or those of many points; see `Representation.nearest`."""
-        return nearest_in_tree(self, self._tree, point)
-
-    def _tree(self) -> Tree:
-        """Return the capsules around the pieces; O(n) at first, then O(changes)."""
-        curve = self._graded
-        return spline_tree(
-            self._known, 3, curve.u, curve.points, None, lambda u: parameters(u, curve.domain)
-        )
+        return nearest_in_tree(self, lambda: tree(self._known, self._graded), point)
 
     # -- following a polyline ----------------------------------------------------------------------
 
