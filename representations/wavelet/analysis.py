@@ -14,6 +14,7 @@ import numpy as np
 
 from multirep.arrays import Array
 from multirep.errors import InvariantError
+from multirep.representations.wavelet.elimination import eliminated
 from multirep.representations.wavelet.filters import (
     add_details,
     level_of,
@@ -24,9 +25,11 @@ from multirep.splines.arrays import IntArray
 
 __all__ = ["MAX_LEVEL", "analyse"]
 
-#: The finest level that is analysed: 2**16 spans take 16 MB of factors and 4 ms; each level more
-#: doubles both.
-MAX_LEVEL = 16
+#: The finest level that is analysed: a million spans, some 70 ms with all coarser levels; each
+#: level more doubles time and memory.
+MAX_LEVEL = 20
+#: From this level on filters are faster than the stored factor.
+ELIMINATED = 13
 
 
 def analyse(points: Array) -> tuple[Array, Array]:
@@ -35,7 +38,7 @@ def analyse(points: Array) -> tuple[Array, Array]:
     Parameters
     ----------
     points : (2**j + 3, d) array
-        Control points of level j, 1 <= j <= 16. Subtract a point near the curve first: the error of
+        Control points of level j, 1 <= j <= 20. Subtract a point near the curve first: the error of
         a detail is relative to the largest coordinate.
 
     Returns
@@ -47,8 +50,9 @@ def analyse(points: Array) -> tuple[Array, Array]:
 
     Notes
     -----
-    O(n) by LAPACK gbtrs; the factor is made once for each level, O(n) as well. The condition
-    number of [P | Q] is below 12 at every level.
+    O(n) by LAPACK gbtrs, with a factor that is made once for each level; on high levels by
+    `multirep.representations.wavelet.elimination`, which needs none. The condition number of
+    [P | Q] is below 12 at every level.
 
     Examples
     --------
@@ -58,9 +62,13 @@ def analyse(points: Array) -> tuple[Array, Array]:
     >>> bool(np.allclose(rebuilt, points, rtol=0, atol=1e-14))
     True
     """
+    level = level_of(len(points))
+    if not 1 <= level <= MAX_LEVEL:
+        raise ValueError(f"analysis is offered for levels 1 to {MAX_LEVEL}, got {level}")
+    if level >= ELIMINATED:
+        return eliminated(points)
     from scipy.linalg.lapack import dgbtrs
 
-    level = level_of(len(points))
     factor, pivots, bands = _factor(level)
     solution, _ = dgbtrs(factor, bands, bands, points, pivots)
     coarse: Array = np.concatenate((solution[:1], solution[1:-1:2], solution[-1:]))
@@ -70,8 +78,6 @@ def analyse(points: Array) -> tuple[Array, Array]:
 @cache
 def _factor(level: int) -> tuple[Array, IntArray, int]:
     """LU factor of the interleaved [P | Q] from ``level - 1`` to ``level``, pivots, bandwidth."""
-    if not 1 <= level <= MAX_LEVEL:
-        raise ValueError(f"analysis is offered for levels 1 to {MAX_LEVEL}, got {level}")
     from scipy.linalg.lapack import dgbtrf
 
     count = point_count(level)

@@ -19,7 +19,7 @@ from multirep.representations.wavelet.data import read, written
 from multirep.representations.wavelet.filters import level_of
 from multirep.representations.wavelet.graded import Graded, clamped, differences
 from multirep.representations.wavelet.proximity import tree
-from multirep.representations.wavelet.pyramid import Pyramid
+from multirep.representations.wavelet.pyramid import USUAL_LEVEL, Pyramid
 from multirep.representations.wavelet.uniform import uniform_points
 from multirep.sampled import SampledSplice
 from multirep.splices import SpliceList
@@ -291,7 +291,7 @@ class WaveletBSpline(Representation):
         Parameters
         ----------
         level : int, optional
-            Up to which level, 0 to 16; default the finest one that occurs, at most 16.
+            Up to which level, 0 to 20; default the finest one that occurs, at most 16.
 
         Returns
         -------
@@ -309,7 +309,7 @@ class WaveletBSpline(Representation):
         -----
         Linear in control points + 2**level; kept with the value.
         """
-        wanted = min(self.level, details.FINEST_ANALYSED) if level is None else level
+        wanted = min(self.level, USUAL_LEVEL) if level is None else level
         if not 0 <= wanted <= details.FINEST_ANALYSED:
             raise EditError(
                 f"a pyramid has levels up to {details.FINEST_ANALYSED} at most, asked for {level}"

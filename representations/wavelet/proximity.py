@@ -12,6 +12,4 @@ __all__ = ["tree"]
 
 def tree(known: Known, curve: Graded) -> Tree:
     """Return the tree of ``curve``; O(n) for the first version that is asked, then O(changes)."""
-    return spline_tree(
-        known, 3, curve.u, curve.points, None, lambda u: parameters(u, curve.domain)
-    )
+    return spline_tree(known, 3, curve.u, curve.points, None, lambda u: parameters(u, curve.domain))

@@ -11,7 +11,11 @@ from hypothesis.extra.numpy import arrays
 
 from multirep.errors import EditError
 from multirep.representations.wavelet.analysis import MAX_LEVEL, analyse
-from multirep.representations.wavelet.filters import add_details, refine_uniform
+from multirep.representations.wavelet.elimination import eliminated
+from multirep.representations.wavelet.filters import (
+    add_details,
+    refine_uniform,
+)
 from multirep.representations.wavelet.pyramid import Pyramid
 from multirep.testing import reference_wavelets as reference
 
@@ -66,7 +70,7 @@ def test_fractional_level_of_the_worked_curve_is_reproduced():
 @pytest.mark.parametrize("kind", ["noise", "smooth", "far", "tiny", "huge"])
 def test_sixteen_levels_come_back_within_rounding(kind):
     """Decomposing and recomposing 65 539 points is exact to 1e-13 of their size."""
-    t = np.linspace(0, 6, 2**MAX_LEVEL + 3)
+    t = np.linspace(0, 6, 2**16 + 3)
     points = {
         "noise": np.random.default_rng(1).normal(size=(len(t), 2)),
         "smooth": np.stack([np.cos(t), np.sin(t), t], axis=1),
@@ -77,6 +81,26 @@ def test_sixteen_levels_come_back_within_rounding(kind):
     pyramid = Pyramid.of(points)
     assert pyramid.level == 16
     assert np.abs(pyramid.control_points() - points).max() <= 1e-13 * np.abs(points).max()
+
+
+@pytest.mark.parametrize("level", [8, 9, 11])
+def test_elimination_is_the_banded_solve(level):
+    """Without a stored factor the same coarse points and details come out, up to rounding."""
+    points = np.random.default_rng(level).normal(size=(2**level + 3, 3)).cumsum(axis=0)
+    size = np.abs(points).max()
+    for one, two in zip(analyse(points), eliminated(points), strict=True):
+        assert np.abs(one - two).max() <= 1e-14 * size
+
+
+def test_levels_beyond_the_stored_factors():
+    """Details of level 13 that are put in come out again, and nothing else does."""
+    rng = np.random.default_rng(3)
+    coarse, details = rng.normal(size=(2**13 + 3, 2)), rng.normal(size=(2**13, 2))
+    points = refine_uniform(coarse)
+    add_details(points, details)
+    found = analyse(points)
+    assert np.abs(found[0] - coarse).max() <= 1e-13
+    assert np.abs(found[1] - details).max() <= 1e-13
 
 
 def test_details_do_not_see_where_the_origin_is():
@@ -146,5 +170,5 @@ def test_absent_levels_are_refused():
             pyramid.control_points(bad)
     with pytest.raises(EditError, match="levels 0 to 5"):
         pyramid.truncated(6)
-    with pytest.raises(ValueError, match="levels 1 to 16"):
-        analyse(np.zeros((2**17 + 3, 1)))
+    with pytest.raises(ValueError, match="levels 1 to 20"):
+        analyse(np.zeros((2 ** (MAX_LEVEL + 1) + 3, 1)))
