@@ -130,24 +130,30 @@ def _factors() -> _Factors:
         combine[k, 2 * k : 2 * k + 5] = 1.0, -4.0, 6.0, -4.0, 1.0
     first = np.empty((2, 5))
     for k in range(2):
-        rows = refined[2 * k : 2 * k + 5, k * 1 : k + 5]
+        rows = refined[2 * k : 2 * k + 5, k : k + 5]
         taps = np.linalg.svd(rows.T)[2][-1]
         first[k] = 6.0 * taps / taps[2]
         combine[k, 2 * k : 2 * k + 5] = first[k]
         combine[-1 - k, ::-1][2 * k : 2 * k + 5] = first[k]
     details = np.zeros((len(refined), count))
     add_details(details, np.eye(count))
-    upper = combine @ details
-    lower = np.eye(count)
+    upper: Array = combine @ details
+    lower: Array = np.eye(count)
     for k in range(count):  # without pivots: far from them, all leading minors are positive
         below = slice(k + 1, min(k + 4, count))
         lower[below, k] = upper[below, k] / upper[k, k]
         upper[below] -= lower[below, k, None] * upper[k]
     row, stop = _HEAD, count - _TAIL
+
+    def inverses(part: slice) -> tuple[Array, Array]:
+        one: Array = np.asarray(np.linalg.inv(lower[part, part]), dtype=np.float64)
+        two: Array = np.asarray(np.linalg.inv(upper[part, part]), dtype=np.float64)
+        return one, two
+
     return _Factors(
         first,
-        (np.linalg.inv(lower[:row, :row]), np.linalg.inv(upper[:row, :row])),
-        (np.linalg.inv(lower[stop:, stop:]), np.linalg.inv(upper[stop:, stop:])),
+        inverses(slice(row)),
+        inverses(slice(stop, None)),
         lower[stop:, stop - 3 : stop].copy(),
         upper[:row, row : row + 3].copy(),
         lower[row, row - 3 : row + 1][::-1].copy(),

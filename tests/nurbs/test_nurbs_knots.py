@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 from nurbs_cases import curves, random_curve, smooth_curve
 from scipy.interpolate import BSpline
 
+from multirep.blocks import BLOCK_ROWS, BlockArray
 from multirep.errors import EditError, ToleranceError
 from multirep.representations import Nurbs
 from multirep.splices import SpliceList
@@ -259,3 +260,59 @@ def test_operations_on_wild_curves(seed: int) -> None:
         finer = check_edit(finer, finer.remove_knot(t, tolerance=tolerance)).value
     assert apart(curve, finer) <= 1e-8
     assert apart(curve, curve.elevate_degree().value) <= EXACT
+
+
+@pytest.mark.parametrize("rational", [False, True])
+@pytest.mark.parametrize("degree", [1, 2, 3, 5])
+def test_many_knots_far_apart_are_inserted_in_windows(degree: int, rational: bool) -> None:
+    """The same as one after the other, though only windows around them are looked at."""
+    n = 3 * BLOCK_ROWS
+    rng = np.random.default_rng(degree)
+    curve = smooth_curve(n, degree)
+    if rational:
+        weights = rng.uniform(0.5, 2, n)
+        curve = Nurbs(degree=degree, knots=curve.knots, points=curve.points, weights=weights)
+    t = rng.random(12)
+    new = np.concatenate([t, t[:2] + 1e-9, np.asarray(curve.knots)[[n // 2] * (degree - 1)]])
+    together = curve.insert_knots(new)
+    one_by_one, splices = curve, SpliceList.EMPTY
+    for knot in np.sort(new).tolist():
+        edit = one_by_one.insert_knot(knot)
+        one_by_one, splices = edit.value, splices | edit.splices
+    value = together.value
+    np.testing.assert_array_equal(np.asarray(value.knots), np.asarray(one_by_one.knots))
+    np.testing.assert_allclose(value.points, one_by_one.points, rtol=0, atol=1e-14)
+    np.testing.assert_allclose(value.weights, one_by_one.weights, rtol=1e-14)
+    assert splices.contains(together.splices)
+    at = np.sort(rng.random(2000))
+    np.testing.assert_allclose(value(at), curve(at), rtol=0, atol=1e-13)
+    outside = np.array([s for s in at if not together.splices.contains(float(s))])
+    assert len(outside) > 1900
+    assert (value(outside) == curve(outside)).all()
+
+
+def test_inserting_reads_windows_only(monkeypatch: pytest.MonkeyPatch) -> None:
+    """One knot, or ten far apart, on a long curve: a few dozen control points each are read."""
+    curve = smooth_curve(12 * BLOCK_ROWS)
+    opened: list[int] = []
+    window = BlockArray.window
+
+    def watched(array: BlockArray, start: int, stop: int) -> np.ndarray:
+        opened.append(stop - start)
+        return window(array, start, stop)
+
+    monkeypatch.setattr(BlockArray, "window", watched)
+    curve.insert_knot(0.3)
+    assert sum(opened) < 32
+    opened.clear()
+    curve.insert_knots(np.linspace(0.05, 0.95, 10))
+    assert sum(opened) < 10 * 64
+
+
+def test_the_size_is_measured_when_somebody_asks() -> None:
+    """Blocks that two versions share are measured once, whichever is asked first."""
+    curve = smooth_curve(4 * BLOCK_ROWS)
+    moved = curve.move_control_point(5, [7.0, -9.0]).value
+    assert moved.magnitude == 9.0
+    assert curve.magnitude == np.abs(np.asarray(curve.points)).max()
+    assert moved.insert_knot(0.5).value.magnitude == 9.0
