@@ -19,7 +19,7 @@ from multirep.representations.wavelet.data import read, written
 from multirep.representations.wavelet.filters import level_of
 from multirep.representations.wavelet.graded import Graded, clamped, differences
 from multirep.representations.wavelet.proximity import tree
-from multirep.representations.wavelet.pyramid import USUAL_LEVEL, Pyramid
+from multirep.representations.wavelet.pyramid import MAX_LEVEL, USUAL_LEVEL, Pyramid
 from multirep.representations.wavelet.uniform import uniform_points
 from multirep.sampled import SampledSplice
 from multirep.splices import SpliceList
@@ -310,10 +310,8 @@ class WaveletBSpline(Representation):
         Linear in control points + 2**level; kept with the value.
         """
         wanted = min(self.level, USUAL_LEVEL) if level is None else level
-        if not 0 <= wanted <= details.FINEST_ANALYSED:
-            raise EditError(
-                f"a pyramid has levels up to {details.FINEST_ANALYSED} at most, asked for {level}"
-            )
+        if not 0 <= wanted <= MAX_LEVEL:
+            raise EditError(f"a pyramid has levels up to {MAX_LEVEL} at most, asked for {level}")
         if wanted not in self._pyramids:
             self._pyramids[wanted] = Pyramid.of(uniform_points(self._graded, wanted))
         return self._pyramids[wanted]

@@ -12,10 +12,10 @@ import numpy as np
 from multirep.arrays import Array
 from multirep.errors import EditError
 from multirep.interval import Interval
-from multirep.representations.wavelet.analysis import MAX_LEVEL as FINEST_ANALYSED
 from multirep.representations.wavelet.dyadic import finest_level, halves, parameters
 from multirep.representations.wavelet.filters import columns
 from multirep.representations.wavelet.graded import Graded
+from multirep.representations.wavelet.pyramid import USUAL_LEVEL as FINEST_ANALYSED
 from multirep.splines.basis import basis_functions
 from multirep.splines.polar import blossom
 

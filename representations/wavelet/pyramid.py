@@ -9,7 +9,7 @@ import numpy as np
 
 from multirep.arrays import Array, ArrayLike, frozen_array
 from multirep.errors import EditError
-from multirep.representations.wavelet.analysis import analyse
+from multirep.representations.wavelet.analysis import MAX_LEVEL, analyse
 from multirep.representations.wavelet.filters import (
     add_details,
     level_of,
@@ -17,7 +17,7 @@ from multirep.representations.wavelet.filters import (
     unit_scale,
 )
 
-__all__ = ["USUAL_LEVEL", "Pyramid"]
+__all__ = ["MAX_LEVEL", "USUAL_LEVEL", "Pyramid"]
 
 #: A pyramid that is asked for without a level goes up to this one at most: deeper ones are large.
 USUAL_LEVEL = 16
