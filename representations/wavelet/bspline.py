@@ -286,7 +286,7 @@ class WaveletBSpline(Representation):
     # -- editing the pyramid -----------------------------------------------------------------------
 
     def pyramid(self, level: int | None = None) -> Pyramid:
-        """Analyse the curve into base and details.
+        """Analyse the curve into base and details; O(size + 2**level), kept with the value.
 
         Parameters
         ----------
@@ -304,10 +304,6 @@ class WaveletBSpline(Representation):
         ------
         EditError
             For other levels.
-
-        Notes
-        -----
-        Linear in control points + 2**level; kept with the value.
         """
         wanted = min(self.level, USUAL_LEVEL) if level is None else level
         if not 0 <= wanted <= MAX_LEVEL:
@@ -337,10 +333,6 @@ class WaveletBSpline(Representation):
         -------
         Edit
             Seven spans of the level wide. The details of finer levels ride along unchanged.
-
-        Raises
-        ------
-        ParameterError, EditError
 
         Notes
         -----
