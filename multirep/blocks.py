@@ -210,32 +210,28 @@ class BlockArray(NDArrayOperatorsMixin):
         if not 0 <= start <= stop <= len(self):
             raise IndexError(f"window {start}:{stop} does not fit into {len(self)} rows")
         blocks, ends = self._blocks, self._ends
-        first = min(bisect_right(ends, start), max(len(blocks) - 1, 0))
-        last = min(bisect_left(ends, max(stop, start + 1)), len(blocks) - 1)
         if not blocks:
             return BlockArray(_cut(frozen_array(new)), self._tail)
-        before = ends[first] - blocks[first].shape[0]
-        pieces = [
-            blocks[first][: start - before],
-            new,
-            blocks[last][blocks[last].shape[0] - (ends[last] - stop) :],
-        ]
-        count = sum(piece.shape[0] for piece in pieces)
-        if count < BLOCK_ROWS // 4:  # take a neighbour in: many small edits must not leave crumbs
+        first = min(bisect_right(ends, start), len(blocks) - 1)
+        last = min(bisect_left(ends, max(stop, start + 1)), len(blocks) - 1)
+        before = ends[first - 1] if first else 0
+        head, tail = blocks[first][: start - before], blocks[last][stop - ends[last] :]
+        pieces = [head, new, tail if stop < ends[last] else tail[:0]]
+        if len(blocks) > 1 and start - before + len(new) + ends[last] - stop < BLOCK_ROWS // 4:
+            # take a neighbour in: many small edits must not leave crumbs
             if last + 1 < len(blocks):
                 last += 1
                 pieces.append(blocks[last])
             elif first > 0:
                 first -= 1
                 pieces.insert(0, blocks[first])
+                before = ends[first - 1] if first else 0
         middle = np.concatenate(pieces)
         middle.setflags(write=False)
         cut = _cut(middle)
-        before = ends[first - 1] if first else 0
         shift = before + len(middle) - ends[last]
+        marks = [before + count for count in accumulate(map(len, cut))]
         after = ends[last + 1 :]
-        marks = accumulate(map(len, cut), initial=before)
-        next(marks)
         new_ends = (*ends[:first], *marks, *(map(shift.__add__, after) if shift else after))
         return BlockArray._of((*blocks[:first], *cut, *blocks[last + 1 :]), new_ends, self._tail)
 

@@ -63,7 +63,11 @@ def test_an_attempt_is_the_dense_least_squares_solution(sampled, u):
 
 @given(polylines(), knots)
 def test_the_certificate_bounds_what_is_seen_and_little_more(sampled, u):
-    """Span by span the proved deviation is above a dense look, and at most half above it."""
+    """Span by span the proved deviation is above a dense look, and not far above it.
+
+    Bernstein coefficients of a cubic exceed it five times at most (those of the Chebyshev
+    polynomial do).
+    """
     found = free_problem(sampled, 1.0).attempt(u)
     curve = BSpline(np.r_[[u[0]] * 3, u, [u[-1]] * 3], found.points.T, 3)
     for k, ratio in enumerate(found.ratios):
@@ -71,7 +75,7 @@ def test_the_certificate_bounds_what_is_seen_and_little_more(sampled, u):
         t = t[(t >= u[k]) & (t <= u[k + 1])]
         seen = np.linalg.norm(curve(t) + sampled.points[0] - sampled(t), axis=1).max()
         assert seen <= ratio + 1e-12
-        assert ratio <= 1.5 * seen + 1e-9
+        assert ratio <= 5.01 * seen + 1e-9
     assert found.bound == pytest.approx(found.ratios.max(), rel=1e-12)
 
 
