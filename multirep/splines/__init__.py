@@ -4,7 +4,7 @@ Knows no representation and nothing of the kernel. A spline here is three things
 ``(n + p + 1,)``, its coefficients ``(n, D)`` (control points, or homogeneous ones with the weight
 in the last column) and its degree p. Read in this order: `find_spans` and `basis_functions`,
 `evaluate`, `blossom` with `refine` and `bernstein`, `sample_spline` with `corner_parameters`,
-`polyline_rows` with `solve_window`; bounds are public in `multirep.bounds`.
+`polyline_rows` with `solve_window`, `simplified`; bounds are public in `multirep.bounds`.
 """
 
 from importlib import import_module
@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from multirep.splines.minimum_norm import Factored, LeastNorm, factored, least_norm
     from multirep.splines.polar import bernstein, blossom, refine
     from multirep.splines.sampling import sample_spline
+    from multirep.splines.simplification import simplified
 
 __all__ = [
     "Factored",
@@ -33,6 +34,7 @@ __all__ = [
     "polyline_rows",
     "refine",
     "sample_spline",
+    "simplified",
     "solve_window",
 ]
 
@@ -50,6 +52,7 @@ _HOMES = {
     "polyline_rows": "least_squares",
     "refine": "polar",
     "sample_spline": "sampling",
+    "simplified": "simplification",
     "solve_window": "least_squares",
 }
 

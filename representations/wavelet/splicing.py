@@ -40,9 +40,14 @@ from multirep.sampled import SampledSplice
 from multirep.splines.deviation import spline_chord_deviation
 from multirep.splines.evaluation import evaluate
 from multirep.splines.polar import blossom
+from multirep.splines.simplification import simplified
 
 __all__ = ["fit", "splice"]
 
+#: First fits of more chords than this leave out vertices first, and what part of the allowance that
+#: may use. Larger saves time and costs control points.
+_MANY_CHORDS = 4096
+_SIMPLIFYING_SHARE = 0.05
 #: Spans to begin with where no, one or both ends are joined: three would leave nothing free between
 #: two joins.
 _FEWEST_SPANS = (1, 3, 4)
@@ -79,7 +84,7 @@ def fit(sampled: SampledSplice, *, tolerance: float) -> tuple[Graded, float]:
         When the tolerance cannot be proved with the finest knots.
     """
     domain = sampled.interval
-    target = Target.of(sampled, tolerance)
+    target, left_out = _simpler(sampled, tolerance)
     ends = np.array([domain.start, domain.stop])
     frame = Frame(ends[[0, 0, 0]], ends[[1, 1, 1]], None, False, False)
     fitted = _fit(
@@ -90,7 +95,19 @@ def fit(sampled: SampledSplice, *, tolerance: float) -> tuple[Graded, float]:
         float(np.abs(sampled.points).max()),
         thin=True,
     )
-    return Graded.of(domain, clamped(fitted.u), fitted.points.T + target.origin), fitted.bound
+    curve = Graded.of(domain, clamped(fitted.u), fitted.points.T + target.origin)
+    return curve, fitted.bound + left_out
+
+
+def _simpler(sampled: SampledSplice, tolerance: float) -> tuple[Target, float]:
+    """Leave out vertices that hardly matter, by how much; it is taken off the allowances."""
+    left_out = 0.0
+    t, points, allowances = sampled.t, sampled.points, sampled.allowance(tolerance)
+    if len(allowances) > _MANY_CHORDS and allowances.min() > 0.0:
+        kept, deviation = simplified(t, points, _SIMPLIFYING_SHARE * allowances)
+        allowances = np.minimum.reduceat(allowances, kept[:-1]) - deviation
+        t, points, left_out = t[kept], points[kept], float(deviation.max())
+    return Target.along(t, points, allowances), left_out
 
 
 def splice(curve: Graded, sampled: SampledSplice, *, tolerance: float) -> tuple[Graded, float]:

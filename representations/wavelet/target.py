@@ -49,12 +49,15 @@ class Target(NamedTuple):
     @classmethod
     def of(cls, sampled: SampledSplice, tolerance: float) -> Target:
         """Prepare a sampled splice."""
-        origin = sampled.points[0]
-        points = np.ascontiguousarray((sampled.points - origin).T)
-        t = sampled.t
+        return cls.along(sampled.t, sampled.points, sampled.allowance(tolerance))
+
+    @classmethod
+    def along(cls, t: Array, rows: Array, allowances: Array) -> Target:
+        """Prepare a polyline, (m + 1,) and (m + 1, d), with what is allowed on each chord, (m,)."""
+        origin = rows[0]
+        points = np.ascontiguousarray((rows - origin).T)
         lengths = t[1:] - t[:-1]
         slopes = (points[:, 1:] - points[:, :-1]) / lengths
-        allowances = sampled.allowance(tolerance)
         turns = slopes[:, 1:] - slopes[:, :-1]
         turns *= turns
         sharp = np.sqrt(turns.sum(axis=0))

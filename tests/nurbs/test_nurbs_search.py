@@ -16,8 +16,8 @@ from multirep.representations.nurbs.fitting import OpenEnds
 from multirep.representations.nurbs.problem import Breakpoints, Course, Problem
 from multirep.representations.nurbs.refinement import merged_breakpoints, refined
 from multirep.representations.nurbs.search import evened
-from multirep.representations.nurbs.simplification import simplified
 from multirep.sampled import SampledSplice
+from multirep.splines import simplified
 from multirep.testing.strategies import polylines
 
 
@@ -41,7 +41,7 @@ def test_simplification_knows_its_deviation(
     allowance = np.ones(len(t) - 1)
     if uneven:
         allowance[::2] = 0.25
-    kept, deviation = simplified(Course.of(t, points, allowance), share)
+    kept, deviation = simplified(t, points, share * allowance)
     assert kept[0] == 0
     assert kept[-1] == len(t) - 1
     assert (np.diff(kept) > 0).all()
@@ -58,7 +58,7 @@ def test_simplification_leaves_few_vertices() -> None:
     """At most 1.7 times as many as the best polyline of that sagitta."""
     for name in SMOOTH:
         sampled = course(name, 20_001)
-        kept, deviation = simplified(Course.from_sampled(sampled, 1e-3), 0.05)
+        kept, deviation = simplified(sampled.t, sampled.points, np.full(20_000, 0.05e-3))
         slopes = np.diff(sampled.points, axis=0) / np.diff(sampled.t)[:, None]
         bend = np.linalg.norm(np.diff(slopes, axis=0), axis=1)
         best = np.sqrt(bend * np.diff(sampled.t)[1:] / (8 * 0.05e-3)).sum()

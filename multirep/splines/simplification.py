@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from multirep.arrays import Array, Indices
-from multirep.representations.nurbs.problem import Course
+from multirep.splines.arrays import Array, IntArray
+
+__all__ = ["simplified"]
 
 #: At most so many rounds of cutting groups that deviate; what still does is kept vertex by vertex.
 ROUNDS = 40
@@ -13,14 +14,16 @@ ROUNDS = 40
 MERGES = 6
 
 
-def simplified(course: Course, share: float) -> tuple[Indices, Array]:
-    """Choose vertices so that the polyline through them stays within ``share`` of the allowance.
+def simplified(t: Array, points: Array, limit: Array) -> tuple[IntArray, Array]:
+    """Choose vertices so that the polyline through them stays within limits of the given one.
 
     Parameters
     ----------
-    course : Course
-    share : float
-        Which part of each chord's allowance may be used.
+    t : (m + 1,) array
+        Strictly increasing.
+    points : (m + 1, d) array
+    limit : (m,) array
+        Positive: how far the new polyline may be off on each chord.
 
     Returns
     -------
@@ -34,10 +37,17 @@ def simplified(course: Course, share: float) -> tuple[Indices, Array]:
     -----
     Curvature decides where vertices are laid out at first; groups that deviate are cut at their
     worst vertex, neighbours that fit on one chord are merged. A few passes over all vertices each.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> t = np.linspace(0, 1, 9)
+    >>> line = np.stack([t, np.abs(t - 0.5)], axis=1)
+    >>> kept, deviation = simplified(t, line, np.full(8, 1e-6))
+    >>> kept.tolist(), bool((deviation < 1e-14).all())
+    ([0, 4, 8], True)
     """
-    t, points = course.t, course.points
     count = len(t)
-    limit = share * course.allowance
     vertex_limit = np.minimum(limit[1:], limit[:-1])
     kept = _laid_out(t, points, vertex_limit)
     for _ in range(ROUNDS):
@@ -57,7 +67,7 @@ def simplified(course: Course, share: float) -> tuple[Indices, Array]:
     return kept, _absolute(t, points, kept)
 
 
-def _laid_out(t: Array, points: Array, limit: Array) -> Indices:
+def _laid_out(t: Array, points: Array, limit: Array) -> IntArray:
     """Spread vertices so that each chord has about the allowed sagitta."""
     steps = np.diff(t)
     slopes = np.diff(points, axis=0) / steps[:, None]
@@ -71,7 +81,7 @@ def _laid_out(t: Array, points: Array, limit: Array) -> Indices:
     return np.concatenate(([0], inner, [len(t) - 1]))
 
 
-def _offsets(t: Array, points: Array, kept: Indices) -> tuple[Array, Indices]:
+def _offsets(t: Array, points: Array, kept: IntArray) -> tuple[Array, IntArray]:
     """Distance of every vertex from the chord of its group, and the group of each."""
     group = np.arange(len(kept) - 1).repeat(np.diff(kept))
     start, stop = t[kept[:-1]], t[kept[1:]]
@@ -81,7 +91,7 @@ def _offsets(t: Array, points: Array, kept: Indices) -> tuple[Array, Indices]:
     return np.sqrt(np.einsum("md,md->m", off, off)), group
 
 
-def _deviations(t: Array, points: Array, limit: Array, kept: Indices) -> tuple[Array, Indices]:
+def _deviations(t: Array, points: Array, limit: Array, kept: IntArray) -> tuple[Array, IntArray]:
     """Largest distance over its limit in each group, and the vertex where it is."""
     off, _ = _offsets(t, points, kept)
     off[1:] /= limit
@@ -97,7 +107,7 @@ def _deviations(t: Array, points: Array, limit: Array, kept: Indices) -> tuple[A
     return largest, worst
 
 
-def _merged(t: Array, points: Array, limit: Array, kept: Indices, side: int) -> Indices:
+def _merged(t: Array, points: Array, limit: Array, kept: IntArray, side: int) -> IntArray:
     """Merge groups 2i + side and 2i + 1 + side where one chord serves both."""
     dropped = np.arange(1 + side, len(kept) - 1, 2)
     if not len(dropped):
@@ -112,7 +122,7 @@ def _merged(t: Array, points: Array, limit: Array, kept: Indices, side: int) -> 
     return kept[mask]
 
 
-def _absolute(t: Array, points: Array, kept: Indices) -> Array:
+def _absolute(t: Array, points: Array, kept: IntArray) -> Array:
     off, _ = _offsets(t, points, kept)
     off[kept[:-1]] = 0.0
     slack = 16 * np.finfo(np.float64).eps * np.sqrt(points.shape[1]) * float(np.abs(points).max())
