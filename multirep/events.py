@@ -37,6 +37,26 @@ class Fitted:
 
 
 @attrs.frozen
+class Fitting:
+    """A first view of a long curve goes on: ``done`` of ``total`` steps of about equal length.
+
+    What a listener raises ends the view and leaves the curve as it was.
+    """
+
+    kind: str
+    done: int
+    total: int
+
+
+@attrs.frozen
+class Begun:
+    """A representation got its first value, a crude one that is stale everywhere."""
+
+    kind: str
+    size: int
+
+
+@attrs.frozen
 class Skipped:
     """A view found nothing to do."""
 
@@ -63,4 +83,4 @@ class Prepared:
     splices: SpliceList
 
 
-Event: TypeAlias = Sampled | Fitted | Skipped | Committed | Prepared
+Event: TypeAlias = Sampled | Fitting | Begun | Fitted | Skipped | Committed | Prepared

@@ -75,7 +75,7 @@ class Reparameterized:
 class Looked:
     """A representation was brought up to date by a look at it; no step of the history.
 
-    ``where`` is what was stale before and not after; None when nothing was stale any more.
+    ``where`` is what was asked for; None for all.
     """
 
     curve: str
@@ -168,12 +168,10 @@ class Journal:
 
 def _between(curve: str, before: State, after: State) -> Iterator[Looked | Meddled]:
     """Tell looks, which change nothing but what is held, from anything else."""
+    seen = len(before.looks)
     same = before.authors is after.authors and before.claims is after.claims
-    if not same or before.tolerance != after.tolerance:
+    if not same or before.tolerance != after.tolerance or before.looks != after.looks[:seen]:
         yield Meddled(curve)
         return
-    for kind, held in after.held.items():
-        old = before.held[kind]
-        if held is old:
-            continue
-        yield Looked(curve, kind, (old.stale - held.stale) if held.stale else None)
+    for look in after.looks[seen:]:
+        yield Looked(curve, look.kind, look.where)

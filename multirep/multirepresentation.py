@@ -169,12 +169,14 @@ class MultiRepresentation:
         ----------
         kind : class or str
         where : SpliceList or Interval, optional
-            Only the stale stretches that meet it are worked on; the value may be stale elsewhere.
+            Only that is worked on, and a little beside it (:mod:`multirep.windows`); elsewhere the
+            value may be stale.
 
         Raises
         ------
         ToleranceError
-            When the representation cannot prove the tolerance; the curve stays as it was.
+            When the representation cannot prove the tolerance; the curve stays as it was, as it
+            does on a KeyboardInterrupt or whatever a listener raises.
         """
         name = self._name(kind)
         region = _region(where, self.domain)
@@ -182,9 +184,9 @@ class MultiRepresentation:
         if held.value is not None and not held.stale.intersects(region):
             self._emit(Skipped(name, "up to date"))
             return held.value
-        self._state = bring_up_to_date(
-            self._state, self._kinds[name], region, self._emit, self._sample
-        )
+        kept = self._kinds[name]
+        state = bring_up_to_date(self._state, kept, region, self._emit, self._sample)
+        self._state = state.looked(name, None if where is None else region)
         value = self._state.held[name].value
         assert value is not None
         return value
@@ -264,12 +266,9 @@ class MultiRepresentation:
 
         Raises
         ------
-        EditError
-            When the map is not monotone or does not map T to itself.
-        RegistrationError
-            When no representation is kept that can be made of points (the polyline can).
-        FrozenError
-            When a stretch is frozen. Nothing is changed then.
+        EditError, RegistrationError, FrozenError
+            When the map is not monotone or does not map T to itself; when no representation is kept
+            that can be made of points; when a stretch is frozen. Nothing is changed then.
 
         Examples
         --------
@@ -350,8 +349,8 @@ class MultiRepresentation:
     # -- listening ---------------------------------------------------------------------------------
 
     @contextmanager
-    def listening(self) -> Iterator[list[Event]]:
-        """Collect the events of the block.
+    def listening(self, listener: Callable[[Event], None] | None = None) -> Iterator[list[Event]]:
+        """Collect the events of the block, and tell ``listener`` each as it happens.
 
         Examples
         --------
@@ -364,7 +363,7 @@ class MultiRepresentation:
         """
         events: list[Event] = []
         before = self._listeners
-        self._listeners = (*before, events.append)
+        self._listeners = (*before, events.append, *([listener] if listener else []))
         try:
             yield events
         finally:

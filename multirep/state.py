@@ -32,6 +32,14 @@ class Preparation:
 
 
 @attrs.frozen(eq=False)
+class Look:
+    """A view that brought something up to date; ``where`` is what was asked for, None for all."""
+
+    kind: str
+    where: SpliceList | None
+
+
+@attrs.frozen(eq=False)
 class State:
     """Tolerance, held representations by name, the authors, and what is frozen.
 
@@ -49,6 +57,9 @@ class State:
         How many controls each kind got at the ends of frozen stretches, to be taken back later.
     preparations : mapping of str to Preparation
         What freezing has made of each kind.
+    looks : tuple of Look
+        The views since the last change of the curve, in order: with the authors and the values
+        before, they determine every bit of what is held.
     """
 
     tolerance: float
@@ -58,6 +69,7 @@ class State:
     frozen: SpliceList = SpliceList.EMPTY
     added: Mapping[str, Mapping[float, int]] = attrs.field(factory=dict)
     preparations: Mapping[str, Preparation] = attrs.field(factory=dict)
+    looks: tuple[Look, ...] = ()
 
     def with_held(self, name: str, held: Held) -> State:
         """Return the state with another value of one kind."""
@@ -71,7 +83,12 @@ class State:
             self.frozen,
             self.added,
             self.preparations,
+            self.looks,
         )
+
+    def looked(self, kind: str, where: SpliceList | None) -> State:
+        """Return the state that remembers one more look."""
+        return attrs.evolve(self, looks=(*self.looks, Look(kind, where)))
 
     def author_value(self, name: str) -> Representation:
         """Return the value of a kind that is the author somewhere."""

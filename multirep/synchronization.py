@@ -15,6 +15,7 @@ from time import perf_counter_ns
 import attrs
 import numpy as np
 
+from multirep.bulk import composed_in_pieces
 from multirep.composition import compose
 from multirep.edit import Edit
 from multirep.errors import (
@@ -25,17 +26,20 @@ from multirep.errors import (
     ToleranceError,
     UnreportedChangeError,
 )
-from multirep.events import Event, Fitted
+from multirep.events import Begun, Event, Fitted
 from multirep.interval import Interval
 from multirep.representation import Representation
 from multirep.sampled import SampledSplice
 from multirep.samples import Sampler, sample_author
 from multirep.splices import SpliceList
 from multirep.state import Held, State
+from multirep.windows import Window, crude, faded, windows, worthwhile
 
 #: Part of a hop that sampling may use. Larger leaves the fit less (it pays the sagitta again),
 #: smaller costs samples with the root of it.
 SAMPLING_SHARE = 1 / 8
+#: Part of a hop by which long curves are thinned, a piece at a time, before they are fitted.
+THINNING_SHARE = 1 / 32
 #: Part of the rest that the first attempt asks for; what it leaves is room for the gaps of later
 #: splices.
 FIRST_SHARE = 7 / 8
@@ -61,7 +65,8 @@ def bring_up_to_date(
 ) -> State:
     """Return the state in which ``kind`` follows the authors on ``where``.
 
-    Cost: that of the stale stretches that meet ``where``; a first view fits all of T.
+    Cost: that of what is stale on ``where``, see :mod:`multirep.windows`; a first view of most of T
+    fits all of it.
 
     Raises
     ------
@@ -70,18 +75,31 @@ def bring_up_to_date(
     PluginError, UnreportedChangeError
         When a representation breaks its contract.
     """
-    held = state.held[kind.name]
+    heard: list[Exception] = []
+
+    def told(event: Event) -> None:
+        try:
+            emit(event)
+        except Exception as error:
+            heard.append(error)
+            raise
+
     try:
-        if held.value is None:
-            return state.with_held(
-                kind.name, Held(_first_fit(state, kind, emit, sample), SpliceList.EMPTY)
-            )
-        for stale in _jobs(state, kind.name, where):
-            held = _splice_in(state, kind, held, stale, emit, sample)
+        if state.held[kind.name].value is None:
+            begun = _begun(state, kind, where, told)
+            if begun is None:
+                fitted = _first_fit(state, kind, told, sample)
+                return state.with_held(kind.name, Held(fitted, SpliceList.EMPTY))
+            state = state.with_held(kind.name, begun)
+        held = state.held[kind.name]
+        for job in _jobs(state, kind.name, where):
+            held = _splice_in(state, kind, held, job, told, sample)
             state = state.with_held(kind.name, held)
     except MultirepError:
         raise
     except Exception as error:
+        if heard and error is heard[-1]:
+            raise  # a listener's own
         raise PluginError(
             f"bringing {kind.name!r} up to date failed with {type(error).__name__}: {error}",
             kind.name,
@@ -89,24 +107,42 @@ def bring_up_to_date(
     return state
 
 
-def _jobs(state: State, name: str, where: SpliceList) -> Iterator[Interval]:
-    """Stale splices to work on; neighbours closer than they are long go together.
+def _begun(
+    state: State, kind: type[Representation], where: SpliceList, emit: Callable[[Event], None]
+) -> Held | None:
+    """Return a crude value, stale everywhere; None when all of T had better be fitted."""
+    domain = state.authors.domain
+    everywhere = SpliceList([domain])
+    delta = hop(state.tolerance)
+    asked = list(windows(everywhere, where, domain))
+    if any(worthwhile(state, window, delta=delta).fresh == domain for window in asked):
+        return None
+    value = crude(state, kind, delta=delta)
+    if value is None:
+        return None
+    emit(Begun(kind.name, value.size))
+    return Held(value, everywhere)
+
+
+def _jobs(state: State, name: str, where: SpliceList) -> Iterator[Window]:
+    """Windows to work on; whole stale splices that are closer than they are long go together.
 
     Not across what is frozen or what ``name`` itself authored: that must not be fitted anew.
     """
-    job: Interval | None = None
-    for splice in state.held[name].stale:
-        if not where.intersects(SpliceList([splice])):
-            continue
-        if job is not None and splice.start - job.stop < min(splice.length, job.length):
-            gap = Interval(job.stop, splice.start)
+    job: Window | None = None
+    for asked in windows(state.held[name].stale, where, state.authors.domain):
+        window = worthwhile(state, asked, delta=hop(state.tolerance)) if asked.cut else asked
+        if job is not None:
+            window = window.after(job.fresh.stop)
+        if job is not None and job.is_near(window):
+            gap = Interval(job.fresh.stop, window.fresh.start)
             mine = any(author == name for _, author in state.authors.segments(gap))
             if not (mine or state.frozen.intersects(SpliceList([gap]))):
-                job = job.hull(splice)
+                job = job.hull(window)
                 continue
         if job is not None:
             yield job
-        job = splice
+        job = window
     if job is not None:
         yield job
 
@@ -115,8 +151,13 @@ def _first_fit(
     state: State, kind: type[Representation], emit: Callable[[Event], None], sample: Sampler
 ) -> Representation:
     delta = hop(state.tolerance)
-    sampled = compose(
-        state, state.authors.domain, tolerance=SAMPLING_SHARE * delta, emit=emit, sample=sample
+    sampled = composed_in_pieces(
+        state,
+        kind.name,
+        tolerance=SAMPLING_SHARE * delta,
+        limit=THINNING_SHARE * delta,
+        emit=emit,
+        sample=sample,
     )
     begin = perf_counter_ns()
     rest = delta - sampled.bound
@@ -150,35 +191,35 @@ def _splice_in(
     state: State,
     kind: type[Representation],
     held: Held,
-    stale: Interval,
+    job: Window,
     emit: Callable[[Event], None],
     sample: Sampler,
 ) -> Held:
-    """Bring one stale stretch up to date, reaching out as far as it takes."""
+    """Bring one window up to date, reaching out as far as it takes."""
     value = held.value
     assert value is not None
     delta = hop(state.tolerance)
-    room = _room(state, kind.name, held.stale, stale)
+    room = _room(state, kind.name, held.stale, job.stale)
     last: ToleranceError | None = None
-    sampled: SampledSplice | None = None
+    composed: SampledSplice | None = None
     for attempt, reach in enumerate(REACHES):
-        within = stale.widened(reach * stale.length).clipped(room)
-        target = value.reach(stale, within)
-        if not (within.contains(target) and target.contains(stale)):
+        within, least = job.within(reach, room), job.target()
+        target = value.reach(least, within)
+        if not (within.contains(target) and target.contains(least)):
             raise InvariantError(
-                f"{kind.name}.reach left {within} or lost a part of {stale}", target
+                f"{kind.name}.reach left {within} or lost a part of {least}", target
             )
         if attempt > 1:
-            if sampled is not None and sampled.interval == within:
+            if composed is not None and composed.interval == within:
                 break  # nothing more to reach for
             target = within
         begin = perf_counter_ns()
-        if sampled is None or sampled.interval != target:
+        if composed is None or composed.interval != target:
             fixed = (
                 value if target.start == room.start > value.domain.start else None,
                 value if target.stop == room.stop < value.domain.stop else None,
             )
-            sampled = compose(
+            composed = compose(
                 state,
                 target,
                 tolerance=SAMPLING_SHARE * delta,
@@ -186,8 +227,9 @@ def _splice_in(
                 emit=emit,
                 sample=sample,
             )
+            sampled = faded(composed, value, job, delta=delta) if job.cut else composed
             begin = perf_counter_ns()
-        rest = delta - sampled.bound
+        rest = delta - composed.bound
         try:
             edit = value.splice(sampled, tolerance=rest if attempt else FIRST_SHARE * rest)
         except ToleranceError as error:
@@ -197,10 +239,12 @@ def _splice_in(
         _check_frozen(state, edit, kind.name)
         elapsed = (perf_counter_ns() - begin) / 1000
         emit(Fitted(kind.name, target, edit.splices, edit.value.size, edit.bound, elapsed))
-        return Held(edit.value, held.stale - SpliceList([target]))
+        return Held(edit.value, held.stale - SpliceList([job.refreshed(target)]))
     assert last is not None
+    if job.cut:
+        return _splice_in(state, kind, held, Window(job.stale, job.stale), emit, sample)
     raise ToleranceError(
-        f"{kind.name} cannot follow the curve on {stale} within {state.tolerance:g}: {last}",
+        f"{kind.name} cannot follow the curve on {job.stale} within {state.tolerance:g}: {last}",
         tolerance=state.tolerance,
         where=last.where,
     ) from last
@@ -303,4 +347,5 @@ def evolve_stale(state: State, name: str, splices: SpliceList) -> State:
         else Held(item.value, item.stale | splices)
         for other, item in state.held.items()
     }
-    return attrs.evolve(state, held=held, authors=state.authors.assigned(splices, name))
+    authors = state.authors.assigned(splices, name)
+    return attrs.evolve(state, held=held, authors=authors, looks=())

@@ -179,21 +179,20 @@ def _looks(entry: Added) -> Iterator[Looked]:
     """
     state = entry.state
     author = state.authors.names[0]
-    seen = [name for name, held in state.held.items() if held.value is not None and name != author]
-    if not seen:
+    kinds = [type(held.value) for held in state.held.values() if held.value is not None]
+    if len(kinds) == 1:
         return
     value = state.author_value(author)
-    kinds = [type(held.value) for held in state.held.values() if held.value is not None]
     try:
         fresh = MultiRepresentation(value, tolerance=state.tolerance, kinds=kinds)
-        for name in seen:
-            fresh.view(name)
+        for look in state.looks:
+            fresh.view(look.kind, look.where)
     except MultirepError as error:
         raise ScriptError(f"the curve {entry.curve!r} cannot be made again: {error}") from error
     if not _same(fresh.snapshot(), state):
         raise _edited_before(entry)
-    for name in seen:
-        yield Looked(entry.curve, name, None)
+    for look in state.looks:
+        yield Looked(entry.curve, look.kind, look.where)
 
 
 def _same(one: State, two: State) -> bool:

@@ -270,6 +270,22 @@ def test_looks_at_a_part_are_replayed(session: mr.Session, tmp_path: Path) -> No
     assert sum(isinstance(entry, Looked) for entry in session.journal.entries) == 2
 
 
+def test_windows_are_replayed_in_order(tmp_path: Path) -> None:
+    """Neighbouring windows are not one: which came first decides the last bits."""
+    t = np.arange(600.0)
+    rough = np.column_stack([t, np.sin(t) + np.cos(0.3 * t * t)])
+    session = mr.Session()
+    session.add("rough", mr.MultiRepresentation.from_points(rough, tolerance=1e-2))
+    for start in (0.3, 0.4, 0.1):
+        session.curve("rough").view("nurbs", mr.SpliceList([(start, start + 0.1)]))
+    session.curve("rough").view("nurbs")
+    session.set_tolerance("rough", 2e-2)
+    check_replay(session, tmp_path)
+    looks = [entry.where for entry in session.journal.entries if isinstance(entry, Looked)]
+    assert len(looks) == 4
+    assert looks[-1] is None
+
+
 def test_curves_of_every_kind_start_a_script(tmp_path: Path) -> None:
     """Polylines with their parameters, rational NURBS, graded wavelets; looked at before or not."""
     session = mr.Session()

@@ -1,0 +1,100 @@
+"""First views of long curves: in pieces, bounded in memory, told about, and interruptible."""
+
+from __future__ import annotations
+
+import tracemalloc
+
+import numpy as np
+import pytest
+
+import multirep as mr
+from multirep.arrays import Array
+from multirep.bulk import PIECE, composed_in_pieces
+from multirep.events import Event, Fitting, Sampled
+from multirep.representation import Representation
+from multirep.representations import Nurbs, Polyline, WaveletBSpline
+
+FOLLOWERS = [Nurbs, WaveletBSpline]
+KINDS: list[type[Representation]] = [Polyline, *FOLLOWERS]
+TOLERANCE = 1e-3
+PIECES = 4
+
+
+def wavy(n: int) -> Array:
+    t = np.linspace(0, 2 * np.pi, n)
+    return np.column_stack([np.cos(t) + 0.05 * np.cos(20 * t), np.sin(t) + 0.05 * np.sin(17 * t)])
+
+
+@pytest.fixture(scope="module")
+def curve() -> mr.MultiRepresentation:
+    points = wavy(PIECES * PIECE - 5)
+    return mr.MultiRepresentation.from_points(points, tolerance=TOLERANCE, kinds=KINDS)
+
+
+@pytest.mark.parametrize("kind", FOLLOWERS)
+def test_a_long_curve_is_followed_in_pieces(
+    curve: mr.MultiRepresentation, kind: type[Representation]
+) -> None:
+    """Listeners hear of each piece; the result is as close and as frugal as of few vertices."""
+    before = curve.snapshot()
+    with curve.listening() as events:
+        value = curve.view(kind)
+    steps = [event for event in events if isinstance(event, Fitting)]
+    assert steps == [Fitting(kind.name, k + 1, PIECES + 1) for k in range(PIECES)]
+    sampled = [event.interval for event in events if isinstance(event, Sampled)]
+    assert len(sampled) == PIECES
+    assert curve.deviation(Polyline, kind).upper <= TOLERANCE
+    few = mr.MultiRepresentation.from_points(wavy(10_000), tolerance=TOLERANCE, kinds=KINDS)
+    assert value.size <= 1.1 * few.view(kind).size
+    curve.restore(before)
+
+
+@pytest.mark.parametrize("kind", FOLLOWERS)
+def test_memory_is_that_of_a_piece(
+    curve: mr.MultiRepresentation, kind: type[Representation]
+) -> None:
+    """Besides the curve itself, a piece's worth of samples and their sifting."""
+    before = curve.snapshot()
+    tracemalloc.start()
+    curve.view(kind)
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    curve.restore(before)
+    assert peak <= 200 * PIECE
+
+
+@pytest.mark.parametrize("raised", [KeyboardInterrupt, RuntimeError, mr.errors.EditError])
+def test_an_interrupted_view_leaves_the_curve(
+    curve: mr.MultiRepresentation, raised: type[BaseException]
+) -> None:
+    """Whatever a listener raises ends the view, comes out as it is, and changes nothing."""
+    before = curve.snapshot()
+    told: list[Event] = []
+
+    def listener(event: Event) -> None:
+        told.append(event)
+        if isinstance(event, Fitting) and event.done == 2:
+            raise raised("enough")
+
+    with curve.listening(listener) as events, pytest.raises(raised, match="enough"):
+        curve.view(Nurbs)
+    assert curve.snapshot() is before
+    assert told == events
+    assert sum(isinstance(event, Sampled) for event in events) == 2
+    assert curve.stale(Nurbs).contains(curve.domain)
+
+
+def test_thinned_pieces_are_certified(curve: mr.MultiRepresentation) -> None:
+    """The polyline is within its own bounds of the author, chord by chord, and far shorter."""
+    limit = TOLERANCE / 64
+    state = curve.snapshot()
+    sampled = composed_in_pieces(state, "nurbs", tolerance=limit, limit=limit, emit=lambda _: None)
+    assert sampled.interval == curve.domain
+    assert len(sampled.t) < 2000 * PIECES
+    polyline = curve.view(Polyline)
+    t = np.asarray(polyline.t)
+    off = np.linalg.norm(polyline.points - sampled(t), axis=1)
+    chords = np.minimum(sampled.t.searchsorted(t, "right") - 1, len(sampled.t) - 2)
+    assert sampled.chord_bounds is not None
+    assert (off <= sampled.chord_bounds[chords] + 1e-15).all()
+    assert sampled.bound == sampled.chord_bounds.max() <= limit * (1 + 1e-9)
