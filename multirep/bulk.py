@@ -1,4 +1,4 @@
-"""First views of long curves: sampled and thinned piece by piece, with progress.
+"""Long stretches, as in first views: sampled and thinned piece by piece, with progress.
 
 A curve of a million vertices is not fitted against all of them. It is sampled a piece at a time,
 and vertices that hardly matter are left out at once; what that costs is added to the certificate.
@@ -8,6 +8,7 @@ hear how far it is.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 
 import numpy as np
@@ -15,6 +16,7 @@ import numpy as np
 from multirep.composition import compose
 from multirep.events import Event, Fitting
 from multirep.interval import Interval
+from multirep.representation import Representation
 from multirep.sampled import SampledSplice, chord_bounds, join
 from multirep.samples import Sampler, sample_author
 from multirep.splines import simplified
@@ -27,24 +29,29 @@ PIECE = 2**16
 
 def composed_in_pieces(
     state: State,
+    interval: Interval,
     kind: str,
     *,
     tolerance: float,
     limit: float,
+    fixed: tuple[Representation | None, Representation | None] = (None, None),
     emit: Callable[[Event], None],
     sample: Sampler = sample_author,
 ) -> SampledSplice:
-    """Sample the authors over all of T; if they are long, piece by piece and thinned.
+    """Sample the authors as :func:`compose` does; if they are long, piece by piece and thinned.
 
     Parameters
     ----------
     state : State
+    interval : Interval
     kind : str
         Who is going to be fitted, for events.
     tolerance : float
         Certified distance of the samples from each author.
     limit : float
         How much farther the polyline may be off for vertices that are left out.
+    fixed : pair of Representation or None
+        See :func:`compose`.
     emit : callable
         Receives a :class:`~multirep.events.Fitting` after each piece.
     sample : Sampler
@@ -55,18 +62,46 @@ def composed_in_pieces(
     SampledSplice
         Its ``bound`` certifies the distance from the authors.
     """
-    domain = state.authors.domain
-    count = -(-sum(state.author_value(name).size for name in {*state.authors.names}) // PIECE)
+    count = -(-_controls(state, interval) // PIECE)
     if count <= 1:
-        return compose(state, domain, tolerance=tolerance, emit=emit, sample=sample)
-    ends = np.linspace(domain.start, domain.stop, count + 1).tolist()
+        return compose(state, interval, tolerance=tolerance, fixed=fixed, emit=emit, sample=sample)
+    ends = np.linspace(interval.start, interval.stop, count + 1).tolist()
     pieces: list[SampledSplice] = []
     for k in range(count):
         piece = compose(
-            state, Interval(*ends[k : k + 2]), tolerance=tolerance, emit=emit, sample=sample
+            state,
+            Interval(*ends[k : k + 2]),
+            tolerance=tolerance,
+            fixed=(fixed[0] if k == 0 else None, fixed[1] if k == count - 1 else None),
+            emit=emit,
+            sample=sample,
         )
-        pieces.append(_thinned(piece, limit))
+        whole = (k == 0 and fixed[0] is not None, k == count - 1 and fixed[1] is not None)
+        pieces.append(_thinned_inside(piece, limit, whole))
         emit(Fitting(kind, k + 1, count + 1))
+    return join(pieces)
+
+
+def _controls(state: State, interval: Interval) -> int:
+    """About how many controls the authors have on an interval, were they evenly spread."""
+    authors, (start, stop) = state.authors, interval
+    names = authors.names if len(authors.names) == 1 else {n for _, n in authors.segments(interval)}
+    share = (stop - start) / authors.domain.length
+    return math.ceil(share * sum(state.author_value(name).size for name in names))
+
+
+def _thinned_inside(
+    sampled: SampledSplice, limit: float, whole: tuple[bool, bool]
+) -> SampledSplice:
+    """Thin all but the chords at fixed ends: the gap there may need all that is allowed."""
+    first, last = int(whole[0]), len(sampled.t) - 1 - int(whole[1])
+    if last - first < 2:
+        return sampled
+    pieces = [_thinned(sampled.cut(first, last), limit)]
+    if first:
+        pieces.insert(0, sampled.cut(0, first))
+    if last < len(sampled.t) - 1:
+        pieces.append(sampled.cut(last, len(sampled.t) - 1))
     return join(pieces)
 
 

@@ -38,7 +38,7 @@ class Fitted:
 
 @attrs.frozen
 class Fitting:
-    """A first view of a long curve goes on: ``done`` of ``total`` steps of about equal length.
+    """A view of a long stretch goes on: ``done`` of ``total`` steps of about equal length.
 
     What a listener raises ends the view and leaves the curve as it was.
     """

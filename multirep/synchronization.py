@@ -16,7 +16,6 @@ import attrs
 import numpy as np
 
 from multirep.bulk import composed_in_pieces
-from multirep.composition import compose
 from multirep.edit import Edit
 from multirep.errors import (
     InvalidCurveError,
@@ -153,6 +152,7 @@ def _first_fit(
     delta = hop(state.tolerance)
     sampled = composed_in_pieces(
         state,
+        state.authors.domain,
         kind.name,
         tolerance=SAMPLING_SHARE * delta,
         limit=THINNING_SHARE * delta,
@@ -219,10 +219,12 @@ def _splice_in(
                 value if target.start == room.start > value.domain.start else None,
                 value if target.stop == room.stop < value.domain.stop else None,
             )
-            composed = compose(
+            composed = composed_in_pieces(
                 state,
                 target,
+                kind.name,
                 tolerance=SAMPLING_SHARE * delta,
+                limit=THINNING_SHARE * delta,
                 fixed=fixed,
                 emit=emit,
                 sample=sample,

@@ -88,7 +88,9 @@ def test_thinned_pieces_are_certified(curve: mr.MultiRepresentation) -> None:
     """The polyline is within its own bounds of the author, chord by chord, and far shorter."""
     limit = TOLERANCE / 64
     state = curve.snapshot()
-    sampled = composed_in_pieces(state, "nurbs", tolerance=limit, limit=limit, emit=lambda _: None)
+    sampled = composed_in_pieces(
+        state, curve.domain, "nurbs", tolerance=limit, limit=limit, emit=lambda _: None
+    )
     assert sampled.interval == curve.domain
     assert len(sampled.t) < 2000 * PIECES
     polyline = curve.view(Polyline)
@@ -98,3 +100,45 @@ def test_thinned_pieces_are_certified(curve: mr.MultiRepresentation) -> None:
     assert sampled.chord_bounds is not None
     assert (off <= sampled.chord_bounds[chords] + 1e-15).all()
     assert sampled.bound == sampled.chord_bounds.max() <= limit * (1 + 1e-9)
+
+
+def test_fixed_ends_keep_their_chords(curve: mr.MultiRepresentation) -> None:
+    """Where a splice must meet what it may not change, no vertex is left out."""
+    state, polyline = curve.snapshot(), curve.view(Polyline)
+    inside = mr.Interval(float(polyline.t[5]), float(polyline.t[polyline.size - 7]))
+    for fixed in ((polyline, None), (None, polyline), (polyline, polyline)):
+        sampled = composed_in_pieces(
+            state,
+            inside,
+            "nurbs",
+            tolerance=TOLERANCE / 64,
+            limit=TOLERANCE / 64,
+            fixed=fixed,
+            emit=lambda _: None,
+        )
+        assert sampled.chord_bounds is not None
+        assert (sampled.t[1] == polyline.t[6]) == (fixed[0] is not None)
+        assert (sampled.t[-2] == polyline.t[polyline.size - 8]) == (fixed[1] is not None)
+        for end, at in zip(fixed, (0, -1), strict=True):
+            assert end is None or sampled.chord_bounds[at] == 0.0
+
+
+@pytest.mark.parametrize("kind", FOLLOWERS)
+def test_a_long_stale_stretch_is_followed_in_pieces(
+    curve: mr.MultiRepresentation, kind: type[Representation]
+) -> None:
+    """After all of a long curve moved, too, in the memory of a piece."""
+    before = curve.snapshot()
+    curve.view(kind)
+    polyline = curve.view(Polyline)
+    moved = Polyline(np.asarray(polyline.t), polyline.points + np.array([0.3, 0.2]))
+    curve.commit(Polyline, mr.Edit(moved, mr.SpliceList([curve.domain])))
+    tracemalloc.start()
+    with curve.listening() as events:
+        curve.view(kind)
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert peak <= 200 * PIECE
+    assert sum(isinstance(event, Fitting) for event in events) == PIECES
+    assert curve.deviation(Polyline, kind).upper <= TOLERANCE
+    curve.restore(before)
