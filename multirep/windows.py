@@ -143,6 +143,9 @@ def windows(stale: SpliceList, where: SpliceList, domain: Interval) -> Iterator[
     [0.5, 0.6] of [0.1, 1]
     """
     for stretch in stale:
+        if where.contains(stretch):
+            yield Window(stretch, stretch)
+            continue
         parts = list(where & SpliceList([stretch]))
         if not parts:
             continue
