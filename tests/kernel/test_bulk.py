@@ -76,7 +76,7 @@ def test_an_interrupted_view_leaves_the_curve(
         if isinstance(event, Fitting) and event.done == 2:
             raise raised("enough")
 
-    with curve.listening(listener) as events, pytest.raises(raised, match="^enough") as caught:
+    with curve.listening(listener) as events, pytest.raises(raised, match=r"^enough") as caught:
         curve.view(Nurbs)
     assert caught.type is raised
     assert curve.snapshot() is before
