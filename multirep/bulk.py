@@ -62,7 +62,7 @@ def composed_in_pieces(
     SampledSplice
         Its ``bound`` certifies the distance from the authors.
     """
-    count = -(-_controls(state, interval) // PIECE)
+    count = -(-controls_on(state, interval) // PIECE)
     if count <= 1:
         return compose(state, interval, tolerance=tolerance, fixed=fixed, emit=emit, sample=sample)
     ends = np.linspace(interval.start, interval.stop, count + 1).tolist()
@@ -82,7 +82,7 @@ def composed_in_pieces(
     return join(pieces)
 
 
-def _controls(state: State, interval: Interval) -> int:
+def controls_on(state: State, interval: Interval) -> int:
     """About how many controls the authors have on an interval, were they evenly spread."""
     authors, (start, stop) = state.authors, interval
     names = authors.names if len(authors.names) == 1 else {n for _, n in authors.segments(interval)}

@@ -18,6 +18,7 @@ import attrs
 import numpy as np
 
 from multirep.arrays import Array
+from multirep.bulk import controls_on
 from multirep.errors import MultirepError
 from multirep.interval import Interval
 from multirep.representation import Representation
@@ -39,8 +40,10 @@ MOST = 1 / 2
 LOOSER = 15.0
 #: A window in which the curve would be followed by fewer chords than this is widened.
 CHORDS = 32.0
-#: How many times its length, at most, on each side.
-MOST_GROWTH = 64.0
+#: By how many times its length at most, or else by what holds so many controls of the authors: to
+#: follow these costs no more than a few splices do anyway.
+MOST_GROWTH = 4.0
+AFFORDABLE = 16384.0
 #: In so many chords a window is looked at for that.
 LOOKS = 64
 #: Parameters on each apron at which the fade is laid out.
@@ -186,7 +189,8 @@ def worthwhile(state: State, window: Window, *, delta: float) -> Window:
     found = float(np.minimum(chords, 1.0).sum())
     if found >= CHORDS:
         return window
-    growth = window.fresh.length * min(CHORDS / max(found, CHORDS / MOST_GROWTH), MOST_GROWTH)
+    most = max(MOST_GROWTH, AFFORDABLE / max(controls_on(state, window.fresh), 1))
+    growth = 0.5 * window.fresh.length * min(CHORDS / max(found, CHORDS / most), most)
     (a, b), (low, high) = window.fresh, window.stale
     rest = SMALL_REST * APRON * growth
     start = a - growth if a - growth - rest > low else low
