@@ -22,7 +22,9 @@ from multirep.samples import Sampler, sample_author
 from multirep.splines import simplified
 from multirep.state import State
 
-#: Curves of more stored controls than this are taken in pieces of about so many. Larger needs more
+#: Stretches of more stored controls than this are thinned. Shorter ones are followed as they are.
+LONG = 2**12
+#: They are taken in pieces of about so many. Larger needs more
 #: memory (some 200 bytes each); smaller leaves more borders of pieces, a vertex each.
 PIECE = 2**16
 
@@ -62,8 +64,9 @@ def composed_in_pieces(
     SampledSplice
         Its ``bound`` certifies the distance from the authors.
     """
-    count = -(-controls_on(state, interval) // PIECE)
-    if count <= 1:
+    controls = controls_on(state, interval)
+    count = -(-controls // PIECE)
+    if controls <= LONG:
         return compose(state, interval, tolerance=tolerance, fixed=fixed, emit=emit, sample=sample)
     ends = np.linspace(interval.start, interval.stop, count + 1).tolist()
     pieces: list[SampledSplice] = []
@@ -78,7 +81,8 @@ def composed_in_pieces(
         )
         whole = (k == 0 and fixed[0] is not None, k == count - 1 and fixed[1] is not None)
         pieces.append(_thinned_inside(piece, limit, whole))
-        emit(Fitting(kind, k + 1, count + 1))
+        if count > 1:
+            emit(Fitting(kind, k + 1, count + 1))
     return join(pieces)
 
 

@@ -39,13 +39,13 @@ MOST = 1 / 2
 #: there, and unbalances the equations.
 LOOSER = 15.0
 #: A window in which the curve would be followed by fewer chords than this is widened.
-CHORDS = 32.0
+CHORDS = 64.0
 #: By how many times its length at most, or else by what holds so many controls of the authors: to
 #: follow these costs no more than a few splices do anyway.
 MOST_GROWTH = 4.0
 AFFORDABLE = 16384.0
 #: In so many chords a window is looked at for that.
-LOOKS = 64
+LOOKS = 128
 #: Parameters on each apron at which the fade is laid out.
 FADE_POINTS = 16
 #: Where authors are looked at for a crude value, in terms of T: uneven, lest a periodic curve is
