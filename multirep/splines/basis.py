@@ -9,6 +9,7 @@ from typing import Literal
 import numpy as np
 import numpy.typing as npt
 
+from multirep.splines import compiled
 from multirep.splines.arrays import Array, IntArray
 
 __all__ = ["basis_functions", "find_spans"]
@@ -53,6 +54,11 @@ def find_spans(
     >>> find_spans(knots, 2, [0.0, 0.5, 1.0], side="left")
     array([2, 2, 3])
     """
+    if compiled.active and side == "right":
+        t = np.asarray(t, dtype=np.float64)
+        found = np.empty(t.shape, dtype=np.intp)
+        compiled.core.find_spans(knots, degree, t, found)
+        return found
     last = len(knots) - degree - 1
     low = knots.searchsorted(knots[degree], "right") - 1
     high = knots.searchsorted(knots[last], "left") - 1
@@ -107,6 +113,10 @@ def basis_functions(
     t = np.asarray(t, dtype=np.float64)
     if order > degree:
         return np.zeros((len(t), degree + 1))
+    if compiled.active and not order:
+        rows = np.empty((len(t), degree + 1))
+        compiled.core.basis_functions(knots, degree, t, spans, rows)
+        return rows
     # Row j of `local` is knot k - p + 1 + j: the 2p knots that the span's functions depend on.
     local = knots.take(np.arange(1 - degree, degree + 1)[:, None] + spans)
     left = t - local[:degree]

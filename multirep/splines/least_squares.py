@@ -8,6 +8,7 @@ from functools import cache
 
 import numpy as np
 
+from multirep.splines import compiled
 from multirep.splines.arrays import Array, IntArray
 from multirep.splines.basis import basis_functions, find_spans
 
@@ -93,6 +94,13 @@ def solve_window(
     count = free.stop - free.start
     if count <= 0:
         return coefficients.copy()
+    if compiled.active:
+        solved = np.array(coefficients)
+        if not compiled.core.solve_window(
+            knots, degree, free.start, free.stop, t, targets, row_weights, basis_weights, solved
+        ):
+            raise undetermined(len(t), count)
+        return solved
     from scipy.linalg.lapack import dpbsv
 
     size, dimension, rows = degree + 1, coefficients.shape[1], len(t)
@@ -139,13 +147,25 @@ def solve_window(
 
     factor, solution, info = dpbsv(band, right, lower=1)
     if info or not bool((factor[0] >= _SMALLEST_PIVOT * np.sqrt(band[0])).all()):
-        raise np.linalg.LinAlgError(
-            f"{rows} rows do not determine the {count} free control points: "
-            "some of them have no row in their support"
-        )
+        raise undetermined(rows, count)
     solved = coefficients.copy()
     solved[free] = solution + origin
     return solved
+
+
+def undetermined(rows: int, count: int) -> np.linalg.LinAlgError:
+    """Return the error that so many rows and so many free control points are worth.
+
+    Examples
+    --------
+    >>> undetermined(1, 2)
+    LinAlgError('1 rows do not determine the 2 free control points: some of them have no row in \
+their support')
+    """
+    return np.linalg.LinAlgError(
+        f"{rows} rows do not determine the {count} free control points: "
+        "some of them have no row in their support"
+    )
 
 
 def polyline_rows(
@@ -200,6 +220,14 @@ def polyline_rows(
     >>> weights
     array([0.125, 0.25 , 0.25 , 0.25 , 0.125])
     """
+    wanted = degree + 1 if per_span is None else per_span
+    if compiled.active:
+        room = most_rows(knots, t, wanted)
+        rows, targets, weights = np.empty(room), np.empty((room, points.shape[1])), np.empty(room)
+        found = compiled.core.polyline_rows(
+            knots, degree, t, points, wanted, rows, targets, weights
+        )
+        return rows[:found], targets[:found], weights[:found]
     start, stop = t[0], t[-1]
     inner = knots[knots.searchsorted(start, "right") : knots.searchsorted(stop, "left")]
     marks = np.concatenate((t, inner))
@@ -208,7 +236,6 @@ def polyline_rows(
     spans = find_spans(knots, degree, marks[:-1])
     covered = np.minimum(knots[spans + 1], stop) - np.maximum(knots[spans], start)
     gaps = marks[1:] - marks[:-1]
-    wanted = degree + 1 if per_span is None else per_span
     # Just below, lest rounding splits a gap that is exactly as wide as allowed.
     parts = np.maximum(np.ceil(gaps * (wanted * (1 - 1e-9)) / covered), 1.0).astype(np.intp)
     stops = parts.cumsum()
@@ -225,3 +252,15 @@ def polyline_rows(
     weights[:-1] = half
     weights[1:] += half
     return rows, targets, weights
+
+
+def most_rows(knots: Array, t: Array, per_span: int) -> int:
+    """Bound the number of rows that `polyline_rows` chooses.
+
+    Examples
+    --------
+    >>> knots, t = np.array([0, 0, 1, 1.0]), np.array([0, 1.0])
+    >>> len(polyline_rows(knots, 1, t, t[:, None])[0]) <= most_rows(knots, t, 2)
+    True
+    """
+    return len(t) + (per_span + 1) * len(knots) + 1

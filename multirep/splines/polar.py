@@ -11,6 +11,7 @@ from functools import cache
 
 import numpy as np
 
+from multirep.splines import compiled
 from multirep.splines.arrays import Array, IntArray
 
 __all__ = ["bernstein", "blossom", "blossom_rows", "refine", "unmatched_rows"]
@@ -88,6 +89,10 @@ def blossom(
     >>> blossom(knots, square, 2, np.array([2]), np.array([[0.5, 0.25]]))
     array([[0.125]])
     """
+    if compiled.active:
+        found = np.empty((len(spans), coefficients.shape[1]))
+        compiled.core.blossom(knots, coefficients, degree, spans, arguments, found)
+        return found
     local, points = _local(knots, coefficients, degree, spans)
     low, high, steps = _ladder(degree)
     below = local.take(low, axis=0)

@@ -8,9 +8,14 @@ and what each chord really leaves is then proved (`multirep.splines.deviation`),
 
 import numpy as np
 
+from multirep.splines import compiled
 from multirep.splines.arrays import Array, IntArray
 from multirep.splines.curvature import second_derivative_coefficients
-from multirep.splines.deviation import bernstein_deviation, curvature_deviation
+from multirep.splines.deviation import (
+    bernstein_deviation,
+    compiled_chord_bounds,
+    curvature_deviation,
+)
 from multirep.splines.evaluation import evaluate
 from multirep.splines.pieces import (
     Stretch,
@@ -192,6 +197,9 @@ def _density(
     stretch: Stretch, second: Array | None, start: float, stop: float, target: float
 ) -> tuple[Array, Array]:
     """Measure how many chords each cell of a fine grid needs; return the grid and the numbers."""
+    if compiled.active:
+        grid, needs = compiled.core.density(*stretch[:4], start, stop, target)
+        return np.frombuffer(grid), np.frombuffer(needs)
     low, high = stretch.breaks[:-1].copy(), stretch.breaks[1:].copy()
     low[0], high[-1] = start, stop
     width = high - low
@@ -280,6 +288,12 @@ def _certify(
     tolerance: float,
 ) -> Array:
     """Bound the deviation from chords between points of the curve, rounding included."""
+    if compiled.active:
+        limit = np.array([] if second is None else [tolerance])
+        chords = starts, stops, low, high
+        return compiled_chord_bounds(
+            stretch[:4], chords, limit, splits=_SPLITS, inscribed=True
+        )
     pieces = cut_pieces(stretch.breaks, starts, stops)
     count = len(pieces.cells)
     off = np.zeros(count + 1)

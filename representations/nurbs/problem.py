@@ -16,8 +16,8 @@ from multirep.arrays import Array, Indices
 from multirep.bounds import spline_chord_deviation
 from multirep.representations.nurbs.evaluation import homogeneous
 from multirep.sampled import SampledSplice
-from multirep.splines import evaluate
-from multirep.splines.least_squares import polyline_rows, solve_window
+from multirep.splines import compiled, evaluate
+from multirep.splines.least_squares import most_rows, polyline_rows, solve_window, undetermined
 
 #: How much more a row counts that lies on a knot of full multiplicity: so corners are met almost
 #: exactly. Larger would cost digits in the normal equations.
@@ -171,6 +171,8 @@ class Problem:
         p, course = self.degree, self.course
         knots = self.ends.knots(breakpoints)
         fixed, free, weights = self.ends.fixed(knots, breakpoints)
+        if compiled.active:
+            return self._tried_at_once(breakpoints, knots, fixed, free, weights, emphasis)
         rows, targets, row_weights = polyline_rows(
             knots, p, course.row_t, course.row_points, per_span=ROWS_PER_DEGREE * p + 1
         )
@@ -197,6 +199,49 @@ class Problem:
         worst = np.maximum.reduceat(ratios, firsts[:-1])
         worst = np.maximum(worst, ratios.take(firsts[1:]))
         return Trial(breakpoints, knots, points, weights, rows, ratios, firsts, worst)
+
+    def _tried_at_once(
+        self,
+        breakpoints: Breakpoints,
+        knots: Array,
+        points: Array,
+        free: slice,
+        weights: Array | None,
+        emphasis: Array | None,
+    ) -> Trial:
+        """Fit in the compiled core; ``points`` is filled in where free."""
+        p, course, at = self.degree, self.course, breakpoints.at
+        per_span = ROWS_PER_DEGREE * p + 1
+        points = np.ascontiguousarray(points)
+        rows, ratios = np.empty((2, most_rows(knots, course.row_t, per_span)))
+        firsts, worst = np.empty(len(at), dtype=np.intp), np.empty(len(at) - 1)
+        found = compiled.core.fit(
+            knots,
+            p,
+            free.start,
+            free.stop,
+            weights,
+            course.row_t,
+            course.row_points,
+            at,
+            breakpoints.times,
+            CORNER_WEIGHT,
+            course.t,
+            None if course.uniform else course.allowance,
+            course.tightest,
+            emphasis,
+            per_span,
+            points,
+            rows,
+            ratios,
+            firsts,
+            worst,
+        )
+        if found < 0:
+            raise undetermined(len(rows), free.stop - free.start)
+        return Trial(
+            breakpoints, knots, points, weights, rows[:found], ratios[:found], firsts, worst
+        )
 
     def proved(self, trial: Trial, splits: int = 1) -> Array:
         """Return the certified deviation on each chord of the course, (m,)."""

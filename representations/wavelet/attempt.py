@@ -17,6 +17,7 @@ import numpy as np
 from multirep.arrays import Array, Indices
 from multirep.errors import InvariantError, ToleranceError
 from multirep.representations.wavelet.target import Target
+from multirep.splines import compiled
 from multirep.splines.polar import blossom
 
 __all__ = ["Attempt", "Frame", "Problem", "frame_pieces"]
@@ -111,12 +112,39 @@ class Problem:
 
     def attempt(self, u: Array) -> Attempt:
         """Solve with the knots ``u`` (n + 1,); n >= 3 if an end is joined. Linear in marks."""
+        if compiled.active:
+            return self._attempt_at_once(u)
         stretch = _lay_out(self.target, u, self.to_t, self.frame)
         pins, arguments = _dictate(stretch.x, self.frame, self.target.origin)
         points = _solve(stretch, pins, self.frame, self.limits)
         nets = np.einsum("jkn,kdn->jdn", stretch.maps, _windows(points))
         ratios, bound = _certify(stretch, nets, self.limits)
         return Attempt(u, stretch.x, points, arguments, nets, ratios, bound + self.slack)
+
+    def _attempt_at_once(self, u: Array) -> Attempt:
+        """Solve and prove in the compiled core."""
+        target, frame, x = self.target, self.frame, self.to_t(u)
+        pins, arguments = _dictate(x, frame, target.origin)
+        points, first, last = _pinned(pins, frame, len(x) - 1, len(target.origin))
+        nets = np.empty((4, len(target.origin), len(x) - 1))
+        ratios = np.empty(len(x) - 1)
+        bound = compiled.core.attempt(
+            target.t,
+            target.points,
+            target.slopes,
+            self.limits,
+            frame.before,
+            x,
+            frame.after,
+            first,
+            last,
+            points,
+            nets,
+            ratios,
+        )
+        if bound is None:
+            raise _undetermined(x)
+        return Attempt(u, x, points, arguments, nets, ratios, bound + self.slack)
 
 
 class _Stretch(NamedTuple):
@@ -232,20 +260,29 @@ def _dictate(x: Array, frame: Frame, origin: Array) -> tuple[Array, Array]:
     return blossom(*frame.pieces, 3, _PIECES, arguments), arguments
 
 
+def _pinned(pins: Array, frame: Frame, count: int, dimension: int) -> tuple[Array, int, int]:
+    """Control points (d, n + 3) with the dictated ones in place, and the range of the free ones."""
+    points = np.zeros((dimension, count + 3))
+    if frame.left:
+        points[:, :3] = pins[:3].T
+    if frame.right:
+        points[:, -3:] = pins[3:].T
+    return points, 3 * frame.left, count + 3 - 3 * frame.right
+
+
+def _undetermined(x: Array) -> InvariantError:
+    return InvariantError("the rows of a fit do not determine its control points", x)
+
+
 def _solve(stretch: _Stretch, pins: Array, frame: Frame, limits: Array) -> Array:
     """Least squares for the control points (d, n + 3) that are not dictated."""
     from scipy.linalg.lapack import dpbsv
 
     count = len(stretch.x) - 1
-    first, last = 3 * frame.left, count + 3 - 3 * frame.right
-    points = np.zeros((len(stretch.values), count + 3))
+    points, first, last = _pinned(pins, frame, count, len(stretch.values))
     rows = np.einsum("jm,jkm->km", stretch.basis[0], stretch.maps.take(stretch.spans, axis=2))
     wanted = stretch.values
     if frame.left or frame.right:
-        if frame.left:
-            points[:, :3] = pins[:3].T
-        if frame.right:
-            points[:, -3:] = pins[3:].T
         held = _windows(points).take(stretch.spans, axis=2)
         wanted = wanted - np.einsum("km,kdm->dm", rows, held)
     if first >= last:
@@ -268,7 +305,7 @@ def _solve(stretch: _Stretch, pins: Array, frame: Frame, limits: Array) -> Array
             band[j - k, k : k + count] += sums[j, k]
     _, solution, info = dpbsv(band[:, first:last], right[:, first:last].T, lower=1)
     if info:
-        raise InvariantError("the rows of a fit do not determine its control points", stretch.x)
+        raise _undetermined(stretch.x)
     points[:, first:last] = solution.T
     return points
 

@@ -18,6 +18,7 @@ import numpy as np
 from multirep.arrays import Array
 from multirep.representations.wavelet.dyadic import halves
 from multirep.representations.wavelet.target import Target
+from multirep.splines import compiled
 
 __all__ = ["predict"]
 
@@ -75,21 +76,9 @@ def predict(
     array([0.25  , 0.3125, 0.375 , 0.5   ])
     """
     found: list[Array] = []
-    walls = np.concatenate((target.t[:1], target.corners, target.t[-1:]))
-    projection, places = _projection()
-    allowed = np.square(target.allowances)
     while len(starts):
-        low, high = to_t(starts), to_t(stops)
-        margin = _MARGIN * (high - low)
-        side = target.corners.searchsorted(low + 0.5 * margin)
-        low = np.maximum(low - margin, walls.take(side))
-        high = np.minimum(high + margin, walls.take(side + 1))
-        values, chords = target.at(low + (high - low) * places)
-        off = projection @ values
-        off *= off
-        square = off.sum(axis=0).reshape(2, _SAMPLES, -1).max(axis=0)
-        square /= allowed.take(chords)
-        failing = np.flatnonzero((square.max(axis=0) > 1.0) & (stops - starts > shortest))
+        worst = _unexplained(target, to_t(starts), to_t(stops))
+        failing = np.flatnonzero((worst > 1.0) & (stops - starts > shortest))
         if not len(failing):
             break
         starts, stops = starts.take(failing), stops.take(failing)
@@ -97,6 +86,39 @@ def predict(
         found.append(middles)
         starts, stops = np.concatenate((starts, middles)), np.concatenate((middles, stops))
     return np.concatenate(found) if found else np.empty(0)
+
+
+def _unexplained(target: Target, low: Array, high: Array) -> Array:
+    """Square what single polynomials leave of the target on spans, in terms of what is allowed."""
+    projection, places = _projection()
+    if compiled.active:
+        worst = np.empty(len(low))
+        compiled.core.predict(
+            target.t,
+            target.points,
+            target.slopes,
+            target.allowances,
+            target.corners,
+            low,
+            high,
+            _MARGIN,
+            projection,
+            places,
+            worst,
+        )
+        return worst
+    walls = np.concatenate((target.t[:1], target.corners, target.t[-1:]))
+    margin = _MARGIN * (high - low)
+    side = target.corners.searchsorted(low + 0.5 * margin)
+    low = np.maximum(low - margin, walls.take(side))
+    high = np.minimum(high + margin, walls.take(side + 1))
+    values, chords = target.at(low + (high - low) * places)
+    off = projection @ values
+    off *= off
+    square = off.sum(axis=0).reshape(2, _SAMPLES, -1).max(axis=0)
+    square /= np.square(target.allowances).take(chords)
+    found: Array = square.max(axis=0)
+    return found
 
 
 @cache

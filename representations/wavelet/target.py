@@ -8,6 +8,7 @@ import numpy as np
 
 from multirep.arrays import Array, Indices
 from multirep.sampled import SampledSplice
+from multirep.splines import compiled
 
 __all__ = ["Target"]
 
@@ -69,6 +70,11 @@ class Target(NamedTuple):
 
     def at(self, t: Array) -> tuple[Array, Indices]:
         """Return L about the origin, (d, *t.shape), and chords; a vertex belongs to the next."""
+        if compiled.active:
+            values = np.empty((len(self.points), *t.shape))
+            chords = np.empty(t.shape, dtype=np.intp)
+            compiled.core.follow(self.t, self.points, self.slopes, t, values, chords)
+            return values, chords
         chords = self.t.searchsorted(t, side="right")
         chords -= 1
         np.minimum(chords, len(self.allowances) - 1, out=chords)

@@ -1,0 +1,121 @@
+"""What the compiled core offers. Arrays that a function fills come last; see the C files."""
+
+from multirep.splines.arrays import Array, IntArray
+
+def find_spans(knots: Array, degree: int, t: Array, spans: IntArray, /) -> None: ...
+def basis_functions(
+    knots: Array, degree: int, t: Array, spans: IntArray, values: Array, /
+) -> None: ...
+def blossom(
+    knots: Array,
+    coefficients: Array,
+    degree: int,
+    spans: IntArray,
+    arguments: Array,
+    points: Array,
+    /,
+) -> None: ...
+def polyline_rows(
+    knots: Array,
+    degree: int,
+    t: Array,
+    points: Array,
+    per_span: int,
+    rows: Array,
+    targets: Array,
+    weights: Array,
+    /,
+) -> int: ...
+def solve_window(
+    knots: Array,
+    degree: int,
+    free: int,
+    stop: int,
+    t: Array,
+    targets: Array,
+    row_weights: Array,
+    basis_weights: Array | None,
+    coefficients: Array,
+    /,
+) -> bool: ...
+def fit(
+    knots: Array,
+    degree: int,
+    free: int,
+    stop: int,
+    basis_weights: Array | None,
+    t: Array,
+    points: Array,
+    breakpoints: Array,
+    times: IntArray,
+    corner_weight: float,
+    chord_t: Array,
+    allowance: Array | None,
+    tightest: float,
+    emphasis: Array | None,
+    per_span: int,
+    coefficients: Array,
+    rows: Array,
+    ratios: Array,
+    firsts: IntArray,
+    worst: Array,
+    /,
+) -> int: ...
+def chord_bounds(
+    knots: Array,
+    coefficients: Array,
+    degree: int,
+    rational: bool,
+    starts: Array,
+    stops: Array,
+    low: Array,
+    high: Array,
+    inscribed: bool,
+    splits: int,
+    allowance: Array,
+    bounds: Array,
+    /,
+) -> None: ...
+def density(
+    knots: Array,
+    coefficients: Array,
+    degree: int,
+    rational: bool,
+    start: float,
+    stop: float,
+    target: float,
+    /,
+) -> tuple[bytearray, bytearray]: ...
+def attempt(
+    t: Array,
+    points: Array,
+    slopes: Array,
+    limits: Array,
+    before: Array,
+    x: Array,
+    after: Array,
+    free: int,
+    stop: int,
+    control_points: Array,
+    nets: Array,
+    ratios: Array,
+    /,
+) -> float | None: ...
+def follow(
+    t: Array, points: Array, slopes: Array, at: Array, values: Array, chords: IntArray, /
+) -> None: ...
+def predict(
+    t: Array,
+    points: Array,
+    slopes: Array,
+    allowances: Array,
+    corners: Array,
+    starts: Array,
+    stops: Array,
+    margin: float,
+    projections: Array,
+    places: Array,
+    worst: Array,
+    /,
+) -> None: ...
+def common(a: Array, b: Array, /) -> tuple[int, int]: ...

@@ -1,0 +1,148 @@
+/* Arrays in and out through the buffer protocol, and memory that lives for one call. */
+#include "core.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+void begin(Call *call, Index count, Index expected)
+{
+    call->opened = call->held = call->failed = 0;
+    if (count != expected) {
+        PyErr_Format(PyExc_TypeError, "expected %zd arguments, got %zd", expected, count);
+        call->failed = 1;
+    }
+}
+
+PyObject *finish(Call *call, PyObject *result)
+{
+    while (call->opened)
+        PyBuffer_Release(&call->views[--call->opened]);
+    while (call->held)
+        free(call->blocks[--call->held]);
+    if (call->failed) {
+        Py_XDECREF(result);
+        return NULL;
+    }
+    return result;
+}
+
+void expect(Call *call, int condition, const char *otherwise)
+{
+    if (!call->failed && !condition) {
+        PyErr_SetString(PyExc_ValueError, otherwise);
+        call->failed = 1;
+    }
+}
+
+static void *block(Call *call, size_t size)
+{
+    if (call->failed)
+        return NULL;
+    void *memory = call->held < MOST_BLOCKS ? malloc(size ? size : 1) : NULL;
+    if (!memory) {
+        PyErr_NoMemory();
+        call->failed = 1;
+        return NULL;
+    }
+    return call->blocks[call->held++] = memory;
+}
+
+double *scratch(Call *call, Index count) { return block(call, (size_t)count * sizeof(double)); }
+
+Index *index_scratch(Call *call, Index count) { return block(call, (size_t)count * sizeof(Index)); }
+
+/* Open a view; what does not lie row after row is copied. */
+static void *opened(Call *call, PyObject *array, int flags, const char *formats, Py_buffer **view)
+{
+    if (call->failed)
+        return NULL;
+    if (call->opened == MOST_VIEWS) {
+        expect(call, 0, "too many arrays");
+        return NULL;
+    }
+    Py_buffer *found = *view = &call->views[call->opened];
+    if (PyObject_GetBuffer(array, found, flags) < 0) {
+        call->failed = 1;
+        return NULL;
+    }
+    call->opened++;
+    if (found->itemsize != 8 || !found->format || !strchr(formats, found->format[0])) {
+        PyErr_Format(PyExc_TypeError, "expected an array of format %s, got %s", formats,
+                     found->format ? found->format : "bytes");
+        call->failed = 1;
+        return NULL;
+    }
+    if (PyBuffer_IsContiguous(found, 'C'))
+        return found->buf;
+    void *copy = block(call, (size_t)found->len);
+    if (copy && PyBuffer_ToContiguous(copy, found, found->len, 'C') < 0) {
+        call->failed = 1;
+        return NULL;
+    }
+    return copy;
+}
+
+static Table table(Call *call, PyObject *array, int flags)
+{
+    Table none = {NULL, 0, 0};
+    Py_buffer *view;
+    double *at = opened(call, array, flags, "d", &view);
+    if (!at)
+        return none;
+    Table found = {at, view->ndim ? view->shape[0] : 1, 1};
+    for (int axis = 1; axis < view->ndim; axis++)
+        found.columns *= view->shape[axis];
+    return found;
+}
+
+Table reals(Call *call, PyObject *array) { return table(call, array, PyBUF_FULL_RO); }
+
+Table reals_or_none(Call *call, PyObject *array)
+{
+    Table none = {NULL, 0, 0};
+    return array == Py_None ? none : table(call, array, PyBUF_FULL_RO);
+}
+
+Table output(Call *call, PyObject *array)
+{
+    return table(call, array, PyBUF_C_CONTIGUOUS | PyBUF_WRITABLE | PyBUF_FORMAT);
+}
+
+Places places(Call *call, PyObject *array)
+{
+    Py_buffer *view;
+    const Index *at = opened(call, array, PyBUF_FULL_RO, "lqn", &view);
+    Places found = {at, at ? view->len / (Index)sizeof(Index) : 0};
+    return found;
+}
+
+Slots slots(Call *call, PyObject *array)
+{
+    Py_buffer *view;
+    Index *at = opened(call, array, PyBUF_C_CONTIGUOUS | PyBUF_WRITABLE | PyBUF_FORMAT, "lqn", &view);
+    Slots found = {at, at ? view->len / (Index)sizeof(Index) : 0};
+    return found;
+}
+
+Index integer(Call *call, PyObject *number)
+{
+    if (call->failed)
+        return 0;
+    Index value = PyLong_AsSsize_t(number);
+    call->failed = value == -1 && PyErr_Occurred();
+    return value;
+}
+
+double real(Call *call, PyObject *number)
+{
+    if (call->failed)
+        return 0.0;
+    double value = PyFloat_AsDouble(number);
+    call->failed = value == -1.0 && PyErr_Occurred();
+    return value;
+}
+
+PyObject *bytes_of(const double *numbers, Index count)
+{
+    return PyByteArray_FromStringAndSize((const char *)numbers, count * (Index)sizeof(double));
+}

@@ -1,0 +1,126 @@
+/* The compiled core: the mathematics of splines that an edit calls many times on short arrays.
+
+Every function here stands for a numpy function of multirep.splines or of a representation, which
+stays beside it as the reference and the fall-back: the same formulas in the same order, without
+the cost of some dozens of numpy calls. Only the limited API (3.11) and the buffer protocol are
+used, so one build serves every Python from 3.11 on and no headers of numpy are needed.
+
+Compiled without contraction (-ffp-contract=off) and without -ffast-math: the rounding terms of the
+proofs count one rounding an operation.
+*/
+#ifndef MULTIREP_CORE_H
+#define MULTIREP_CORE_H
+
+#define PY_SSIZE_T_CLEAN
+#include <Python.h>
+
+typedef Py_ssize_t Index;
+
+/* -- arguments.c: arrays in and out ------------------------------------------------------------ */
+
+/* A float64 array, C-contiguous; (n,) has one column, (n, a, b) has a b. */
+typedef struct {
+    double *at;
+    Index rows, columns;
+} Table;
+
+/* An intp array, flat. */
+typedef struct {
+    const Index *at;
+    Index rows;
+} Places;
+
+/* The same, to be filled. */
+typedef struct {
+    Index *at;
+    Index rows;
+} Slots;
+
+enum { MOST_VIEWS = 16, MOST_BLOCKS = 32 };
+
+/* What one call holds until `finish`: views of arrays and scratch memory. The first error sticks,
+and what is read after it is empty: check `failed` once, before any table is used. */
+typedef struct {
+    Py_buffer views[MOST_VIEWS];
+    void *blocks[MOST_BLOCKS];
+    int opened, held, failed;
+} Call;
+
+void begin(Call *call, Index count, Index expected);
+PyObject *finish(Call *call, PyObject *result);
+Table reals(Call *call, PyObject *array);
+Table reals_or_none(Call *call, PyObject *array);
+Table output(Call *call, PyObject *array);
+Places places(Call *call, PyObject *array);
+Slots slots(Call *call, PyObject *array);
+Index integer(Call *call, PyObject *number);
+double real(Call *call, PyObject *number);
+double *scratch(Call *call, Index count);
+Index *index_scratch(Call *call, Index count);
+void expect(Call *call, int condition, const char *otherwise);
+/* A new bytearray of float64 numbers, to be read by numpy.frombuffer. */
+PyObject *bytes_of(const double *numbers, Index count);
+
+/* -- basis.c: spans, basis functions, polar forms ---------------------------------------------- */
+
+/* A spline: knots (n + p + 1,), coefficients (n, dimension), degree p >= 1; the first and the last
+span of its domain that are not empty. */
+typedef struct {
+    const double *knots, *coefficients;
+    Index degree, count, dimension, first, last;
+} Spline;
+
+Spline spline_of(Call *call, Table knots, Table coefficients, Index degree);
+Index span_of(const Spline *spline, double t);
+Index walked(const Spline *spline, Index span, double t);
+/* The 2p knots k - p + 1 .. k + p that the functions of span k depend on. */
+static inline const double *local_knots(const Spline *spline, Index span)
+{
+    return spline->knots + span + 1 - spline->degree;
+}
+/* The p + 1 control points of span k. */
+static inline const double *local_rows(const Spline *spline, Index span)
+{
+    return spline->coefficients + (span - spline->degree) * spline->dimension;
+}
+void basis_values(const double *local, Index degree, double t, double *values);
+void blossom_step(const double *local, Index degree, Index dimension, double argument, Index step,
+                  double *rows);
+void evaluate_piece(const Spline *spline, Index span, double t, double *rows);
+void bernstein_net(const Spline *spline, Index span, double start, double stop, double *net,
+                   double *rows);
+
+/* -- banded.c: symmetric banded systems -------------------------------------------------------- */
+
+int solve_banded(double *band, double *right, Index count, Index bandwidth, Index columns,
+                 double smallest_pivot);
+
+/* -- what Python sees -------------------------------------------------------------------------- */
+
+#define METHOD(name) PyObject *name(PyObject *module, PyObject *const *values, Py_ssize_t count)
+METHOD(core_find_spans);
+METHOD(core_basis_functions);
+METHOD(core_blossom);
+METHOD(core_polyline_rows);
+METHOD(core_solve_window);
+METHOD(core_fit);
+METHOD(core_chord_bounds);
+METHOD(core_density);
+METHOD(core_attempt);
+METHOD(core_follow);
+METHOD(core_predict);
+METHOD(core_common);
+
+static inline double larger(double a, double b) { return a > b ? a : b; }
+static inline double smaller(double a, double b) { return a < b ? a : b; }
+static inline Index at_least(Index a, Index b) { return a > b ? a : b; }
+static inline Index at_most(Index a, Index b) { return a < b ? a : b; }
+static inline double squared_norm(const double *row, Index dimension)
+{
+    double sum = 0.0;
+    for (Index c = 0; c < dimension; c++)
+        sum += row[c] * row[c];
+    return sum;
+}
+
+#endif

@@ -1,0 +1,381 @@
+/* Proofs: how far a spline leaves the chords of a polyline, at equal parameters.
+
+See multirep.splines.deviation for the bounds and multirep.splines.pieces for the rounding that is
+added; both are the same here. A cell is a nonempty span, a piece the part of a chord on one cell.
+*/
+#include "core.h"
+
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+/* Cells per chord on which the density is constant, and the fewest and the most on a span; places
+where the density of a rational spline or of a high degree is looked at first. */
+enum { CELLS_PER_CHORD = 4, FEWEST_CELLS = 2, MOST_CELLS = 64, LOOKS = 3 };
+
+/* A proof under way. */
+typedef struct {
+    Spline spline;
+    int rational, splits;
+    Index d;             /* dimension of points */
+    double unit;         /* rounding, but for the ratio of the weights of a cell */
+    Index cell;          /* the span that `slack` and `second` are about */
+    double slack;
+    double *second;      /* S'' at both ends of the cell, (2, d); of a quadratic both are equal */
+    double *rows, *net;  /* room for (p + 2) rows of all splits */
+    double *low, *high;  /* the line where a piece starts and stops, (d,) */
+} Proof;
+
+/* (8 p + 16) units in the last place of the largest coordinate between two parameters, see
+`rounding` of pieces.py. */
+static double unit_of(const Spline *spline, int rational, double start, double stop,
+                      const Table *points, int tables)
+{
+    Index all = spline->dimension, d = all - rational;
+    Index first = span_of(spline, start), last = span_of(spline, stop);
+    while (last > first && !(spline->knots[last] < stop))
+        last--;
+    double largest = 0.0;
+    for (Index i = first - spline->degree; i <= last; i++) {
+        const double *row = spline->coefficients + i * all;
+        for (Index c = 0; c < d; c++)
+            largest = larger(fabs(rational ? row[c] / row[d] : row[c]), largest);
+    }
+    for (int k = 0; k < tables; k++)
+        for (Index i = 0; i < points[k].rows * points[k].columns; i++)
+            largest = larger(fabs(points[k].at[i]), largest);
+    return (8 * (double)spline->degree + 16) * DBL_EPSILON * sqrt((double)d) * largest;
+}
+
+/* S'' at the ends of a cell of degree 2 or 3: differences of differences of its control points. */
+static void second_derivatives(const Spline *spline, Index span, double *second)
+{
+    Index p = spline->degree, d = spline->dimension;
+    const double *local = local_knots(spline, span), *rows = local_rows(spline, span);
+    for (Index end = 0; end < p - 1; end++) {
+        double before = (double)p / (local[end + p] - local[end]);
+        double after = (double)p / (local[end + 1 + p] - local[end + 1]);
+        double scale = (double)(p - 1) / (local[end + p] - local[end + 1]);
+        const double *row = rows + end * d;
+        for (Index c = 0; c < d; c++) {
+            double first = (row[c + d] - row[c]) * before;
+            second[end * d + c] = ((row[c + 2 * d] - row[c + d]) * after - first) * scale;
+        }
+    }
+    if (p == 2)
+        memcpy(second + d, second, (size_t)d * sizeof(double));
+}
+
+static void enter(Proof *proof, Index span)
+{
+    const Spline *spline = &proof->spline;
+    if (span == proof->cell)
+        return;
+    proof->cell = span;
+    proof->slack = proof->unit;
+    if (proof->rational) {
+        const double *weight = local_rows(spline, span) + proof->d;
+        double least = weight[0], most = weight[0];
+        for (Index i = 1; i <= spline->degree; i++) {
+            least = smaller(weight[i * spline->dimension], least);
+            most = larger(weight[i * spline->dimension], most);
+        }
+        proof->slack *= most / least;
+    } else if (spline->degree == 2 || spline->degree == 3)
+        second_derivatives(spline, span, proof->second);
+}
+
+/* Largest squared norm of Bernstein coefficients (over the squared weight), after halving the
+interval so many times; `net` is overwritten, `room` has a net for each halving. */
+static double hull(double *net, Index size, Index d, int rational, int splits, double *room)
+{
+    Index all = d + rational;
+    if (!splits) {
+        double largest = 0.0;
+        for (Index i = 0; i < size; i++) {
+            const double *row = net + i * all;
+            double square = squared_norm(row, d);
+            if (rational)
+                square /= row[d] * row[d];
+            if (!(square <= largest))
+                largest = square;
+        }
+        return largest;
+    }
+    /* de Casteljau at the middle: the left half comes out first, the right half stays. */
+    for (Index step = 0; step < size; step++) {
+        memcpy(room + step * all, net, (size_t)all * sizeof(double));
+        for (Index i = 0; i < (size - 1 - step) * all; i++)
+            net[i] = (net[i] + net[i + all]) / 2;
+    }
+    double left = hull(room, size, d, rational, splits - 1, room + size * all);
+    double right = hull(net, size, d, rational, splits - 1, room + size * all);
+    return left >= right || left != left ? left : right;
+}
+
+/* The bound from Bernstein coefficients of the difference, which for a rational is E = A - w L. */
+static double bernstein_bound(Proof *proof, Index span, double start, double stop, int splits)
+{
+    const Spline *spline = &proof->spline;
+    Index p = spline->degree, d = proof->d, all = spline->dimension;
+    double *net = proof->net;
+    bernstein_net(spline, span, start, stop, net, proof->rows);
+    if (!proof->rational) {
+        for (Index i = 0; i <= p; i++) {
+            double share = (double)i / (double)p, rest = 1.0 - share;
+            for (Index c = 0; c < d; c++)
+                net[i * d + c] = net[i * d + c] - rest * proof->low[c] - share * proof->high[c];
+        }
+        return sqrt(hull(net, p + 1, d, 0, splits, proof->rows));
+    }
+    /* Raised to degree p + 1: row i mixes rows i - 1 and i; from behind, in place. */
+    for (Index i = p + 1; i >= 0; i--) {
+        double share = (double)i / (double)(p + 1), rest = 1.0 - share;
+        double *row = net + i * all, *before = row - all;
+        for (Index c = 0; c <= d; c++) {
+            double sum = 0.0;
+            if (i <= p)
+                sum = rest * (c < d ? row[c] - row[d] * proof->low[c] : row[d]);
+            if (i > 0)
+                sum += share * (c < d ? before[c] - before[d] * proof->high[c] : before[d]);
+            proof->rows[c] = sum;
+        }
+        memcpy(row, proof->rows, (size_t)all * sizeof(double));
+    }
+    return sqrt(hull(net, p + 2, d, 1, splits, proof->rows));
+}
+
+/* The cheap bound up to degree 3: what is off at both ends, and the sagitta from S'' between. On a
+piece of length h, with x from -1 to 1, S'' = M + x D, and the sagitta is at most
+h**2 / 8 (1 - x**2) (||M|| + |x| ||D|| / 3). */
+static double curvature_bound(Proof *proof, double start, double stop, double before, double after)
+{
+    const Spline *spline = &proof->spline;
+    Index d = proof->d;
+    if (spline->degree == 1)
+        return larger(before, after);
+    double half = (stop - start) / 2, scale = half * half / 2, odd = 0.0, even = 0.0;
+    double left = spline->knots[proof->cell], width = spline->knots[proof->cell + 1] - left;
+    const double *at_left = proof->second, *at_right = at_left + d;
+    for (Index c = 0; c < d; c++) {
+        double slope = (at_right[c] - at_left[c]) / width;
+        double middle = at_left[c] + slope * (start - left + half);
+        odd += slope * slope;
+        even += middle * middle;
+    }
+    odd = sqrt(odd) * (half * scale / 3);
+    even = sqrt(even) * scale;
+    /* The maximum over x of base + even (1 - x**2) + lean |x|, whose top may lie beyond x = 1. */
+    double base = (before + after) / 2, lean = fabs(after - before) / 2 + odd;
+    double inside = smaller(lean, 2 * even);
+    return base + (even + (lean - inside)) + inside * inside / (4 * even + DBL_MIN);
+}
+
+/* How far the spline is from the end of a line, at a parameter of a cell. */
+static double off(Proof *proof, Index span, double t, const double *line)
+{
+    double sum = 0.0;
+    evaluate_piece(&proof->spline, span, t, proof->rows);
+    for (Index c = 0; c < proof->d; c++)
+        sum += (proof->rows[c] - line[c]) * (proof->rows[c] - line[c]);
+    return sqrt(sum);
+}
+
+METHOD(core_chord_bounds)
+{
+    /* knots, coefficients, degree, rational, starts, stops, points where chords start, points where
+    they stop, inscribed, splits, allowance (0,) or (1,) or (m,), bounds
+
+    Inscribed: chords begin and end on the curve; else they are those of one polyline. Without an
+    allowance all get the sharp bound, else those that a cheaper one does not bring below it. */
+    Call call;
+    begin(&call, count, 12);
+    if (call.failed)
+        return finish(&call, NULL);
+    Table knots = reals(&call, values[0]), coefficients = reals(&call, values[1]);
+    Spline spline = spline_of(&call, knots, coefficients, integer(&call, values[2]));
+    int rational = integer(&call, values[3]) != 0, inscribed = integer(&call, values[8]) != 0;
+    Table starts = reals(&call, values[4]), stops = reals(&call, values[5]);
+    Table ends[2] = {reals(&call, values[6]), reals(&call, values[7])};
+    int splits = (int)integer(&call, values[9]);
+    Table allowance = reals(&call, values[10]), bounds = output(&call, values[11]);
+    Index p = spline.degree, d = spline.dimension - rational, m = starts.rows;
+    expect(&call, p >= 1 && d >= 1 && splits >= 0 && splits < 64, "no such spline");
+    expect(&call,
+           stops.rows == m && ends[0].rows == m && ends[1].rows == m && bounds.rows == m &&
+               ends[0].columns == d && ends[1].columns == d,
+           "each chord needs two parameters and two points");
+    expect(&call, allowance.rows <= 1 || allowance.rows == m, "each chord needs an allowance");
+    Index net = (p + 2) * spline.dimension;
+    Proof proof = {spline, rational, splits, d, 0.0, -1, 0.0, scratch(&call, 2 * d),
+                   scratch(&call, net * (splits + 1)), scratch(&call, net), scratch(&call, d),
+                   scratch(&call, d)};
+    if (call.failed)
+        return finish(&call, NULL);
+    if (m > 0)
+        proof.unit = unit_of(&spline, rational, starts.at[0], stops.at[m - 1], ends, 2);
+    int curved = !rational && p <= 3;
+    size_t point = (size_t)d * sizeof(double);
+    Index span = spline.first;
+    double after = 0.0;
+    for (Index chord = 0; chord < m; chord++) {
+        double start = starts.at[chord], stop = stops.at[chord], largest = 0.0;
+        double limit = allowance.rows ? allowance.at[allowance.rows > 1 ? chord : 0] : 0.0;
+        const double *first = ends[0].at + chord * d, *last = ends[1].at + chord * d;
+        span = walked(&spline, span, start);
+        memcpy(proof.low, first, point);
+        double before = 0.0;
+        if (curved && allowance.rows && !inscribed)
+            before = chord > 0 && start == stops.at[chord - 1] ? after
+                                                               : off(&proof, span, start, first);
+        for (double from = start;;) {
+            int ending = span == spline.last || stop <= spline.knots[span + 1];
+            double to = ending ? stop : spline.knots[span + 1];
+            enter(&proof, span);
+            if (ending)
+                memcpy(proof.high, last, point);
+            else {
+                double share = (to - start) / (stop - start);
+                for (Index c = 0; c < d; c++)
+                    proof.high[c] = first[c] + share * (last[c] - first[c]);
+            }
+            double bound;
+            if (!allowance.rows)
+                bound = bernstein_bound(&proof, span, from, to, splits) + proof.slack;
+            else {
+                if (curved) {
+                    after = inscribed && ending ? 0.0 : off(&proof, span, to, proof.high);
+                    bound = curvature_bound(&proof, from, to, before, after);
+                } else
+                    bound = bernstein_bound(&proof, span, from, to, 0);
+                bound += proof.slack;
+                if (!(bound <= limit)) {
+                    double sharper = bernstein_bound(&proof, span, from, to, splits);
+                    bound = smaller(bound, sharper + proof.slack);
+                }
+            }
+            if (!(bound <= largest))
+                largest = bound;
+            if (ending)
+                break;
+            memcpy(proof.low, proof.high, point);
+            before = after;
+            from = to;
+            do
+                span++;
+            while (span < spline.last && !(spline.knots[span + 1] > spline.knots[span]));
+        }
+        bounds.at[chord] = largest;
+    }
+    return finish(&call, Py_NewRef(Py_None));
+}
+
+/* ||R''|| on a cell; `rows` has room for p + 1 rows. */
+static double bending(const Spline *spline, int rational, Index span, double t, double *rows)
+{
+    Index p = spline->degree, all = spline->dimension, d = all - rational;
+    const double *local = local_knots(spline, span);
+    memcpy(rows, local_rows(spline, span), (size_t)((p + 1) * all) * sizeof(double));
+    for (Index step = 0; step < p - 2; step++)
+        blossom_step(local, p, all, t, step, rows);
+    /* Of the polar form with two free arguments: value, slope and bending, column by column; a line
+    bends only through its weights. */
+    double sum = 0.0, weight[3] = {1.0, 0.0, 0.0};
+    for (Index turn = 0; turn < all; turn++) {
+        Index c = rational ? (turn == 0 ? d : turn - 1) : turn; /* the weight first */
+        double value, slope, bend = 0.0;
+        if (p == 1) {
+            double width = local[1] - local[0], share = (t - local[0]) / width;
+            value = rows[c] * (1.0 - share) + rows[c + all] * share;
+            slope = (rows[c + all] - rows[c]) / width;
+        } else {
+            const double *knot = local + p - 2; /* two before, two behind the parameter */
+            double one = (rows[c + all] - rows[c]) / (knot[2] - knot[0]);
+            double two = (rows[c + 2 * all] - rows[c + all]) / (knot[3] - knot[1]);
+            double low = rows[c] + (t - knot[0]) * one, high = rows[c + all] + (t - knot[1]) * two;
+            double width = knot[2] - knot[1];
+            value = low + (t - knot[1]) / width * (high - low);
+            slope = (double)p * (high - low) / width;
+            bend = (double)(p * (p - 1)) * (two - one) / width;
+        }
+        if (rational && turn == 0) {
+            weight[0] = value, weight[1] = slope, weight[2] = bend;
+            continue;
+        }
+        if (rational) {
+            double point = value / weight[0], velocity = (slope - weight[1] * point) / weight[0];
+            bend = (bend - 2 * weight[1] * velocity - weight[2] * point) / weight[0];
+        }
+        sum += bend * bend;
+    }
+    return sqrt(sum);
+}
+
+METHOD(core_density)
+{
+    /* knots, coefficients, degree, rational, start, stop, target; returns the nodes of a fine grid
+    and how many chords each of its cells needs, as bytes. See multirep.splines.sampling. */
+    Call call;
+    begin(&call, count, 7);
+    if (call.failed)
+        return finish(&call, NULL);
+    Table knots = reals(&call, values[0]), coefficients = reals(&call, values[1]);
+    Spline spline = spline_of(&call, knots, coefficients, integer(&call, values[2]));
+    int rational = integer(&call, values[3]) != 0;
+    double start = real(&call, values[4]), stop = real(&call, values[5]);
+    double target = real(&call, values[6]);
+    Index p = spline.degree, d = spline.dimension;
+    expect(&call, p >= 1 && d >= 1 + rational, "no such spline");
+    expect(&call, start < stop && target > 0.0, "an interval and a tolerance are wanted");
+    double *rows = scratch(&call, (p + 1) * d), *second = scratch(&call, 2 * d);
+    Index first = call.failed ? 0 : span_of(&spline, start), last = first;
+    for (; !call.failed && last < spline.last && spline.knots[last + 1] < stop; last++)
+        ;
+    double *parts = scratch(&call, last - first + 1);
+    Index total = 0;
+    for (Index span = first; !call.failed && span <= last; span++) {
+        double low = span == first ? start : spline.knots[span];
+        double width = (span == last ? stop : spline.knots[span + 1]) - low, bent = 0.0;
+        parts[span - first] = 0.0;
+        if (!(width > 0.0))
+            continue;
+        if (rational || p > 3)
+            for (Index look = 0; look < LOOKS; look++) {
+                double at = low + width * (((double)look + 0.5) / LOOKS);
+                bent = larger(bending(&spline, rational, span, at, rows), bent);
+            }
+        else if (p > 1) {
+            /* S'' is linear or constant on a span, so largest at an end. */
+            second_derivatives(&spline, span, second);
+            bent = sqrt(larger(squared_norm(second, d), squared_norm(second + d, d)));
+        }
+        double cells = ceil(width * sqrt(bent * (CELLS_PER_CHORD * CELLS_PER_CHORD / (8 * target))));
+        cells = cells >= FEWEST_CELLS ? smaller(cells, MOST_CELLS) : FEWEST_CELLS;
+        parts[span - first] = cells;
+        total += (Index)cells;
+    }
+    double *nodes = scratch(&call, total + 1), *shares = scratch(&call, total);
+    Index node = 0;
+    for (Index span = first; !call.failed && span <= last; span++) {
+        double low = span == first ? start : spline.knots[span];
+        double whole = (span == last ? stop : spline.knots[span + 1]) - low;
+        Index cells = (Index)parts[span - first];
+        double width = cells ? whole / (double)cells : 0.0;
+        for (Index cell = 0; cell < cells; cell++, node++) {
+            nodes[node] = low + (double)cell * width;
+            double bent = bending(&spline, rational, span, nodes[node] + width / 2, rows);
+            /* Never quite zero, so that the density can be inverted where the curve is straight. */
+            shares[node] = sqrt(bent / (8 * target)) * width + 1e-6 * (width / (stop - start));
+        }
+    }
+    PyObject *found = NULL;
+    if (!call.failed) {
+        nodes[total] = stop;
+        PyObject *grid = bytes_of(nodes, total + 1), *density = bytes_of(shares, total);
+        found = grid && density ? PyTuple_Pack(2, grid, density) : NULL;
+        call.failed = !found;
+        Py_XDECREF(grid);
+        Py_XDECREF(density);
+    }
+    return finish(&call, found);
+}

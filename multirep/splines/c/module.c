@@ -1,0 +1,27 @@
+/* The module multirep.splines._core; _core.pyi says what each function takes. */
+#include "core.h"
+
+#define ENTRY(name) {#name, (PyCFunction)(void (*)(void))core_##name, METH_FASTCALL, NULL}
+
+static PyMethodDef methods[] = {
+    ENTRY(find_spans),
+    ENTRY(basis_functions),
+    ENTRY(blossom),
+    ENTRY(polyline_rows),
+    ENTRY(solve_window),
+    ENTRY(fit),
+    ENTRY(chord_bounds),
+    ENTRY(density),
+    ENTRY(attempt),
+    ENTRY(follow),
+    ENTRY(predict),
+    ENTRY(common),
+    {NULL, NULL, 0, NULL},
+};
+
+static struct PyModuleDef definition = {
+    PyModuleDef_HEAD_INIT, .m_name = "_core", .m_doc = "Splines, compiled.", .m_size = 0,
+    .m_methods = methods,
+};
+
+PyMODINIT_FUNC PyInit__core(void) { return PyModuleDef_Init(&definition); }
