@@ -119,3 +119,28 @@ def predict(
     /,
 ) -> None: ...
 def common(a: Array, b: Array, /) -> tuple[int, int]: ...
+def lay_out(
+    nodes: Array,
+    shares: Array,
+    begins: Array,
+    ends: Array,
+    least: float,
+    most: float,
+    spare: float,
+    spare_from: float,
+    /,
+) -> tuple[bytearray, bytearray]: ...
+def corrected(
+    nodes: Array, shares: Array, t: Array, needs: Array, least: float, /
+) -> tuple[bytearray, bytearray]: ...
+def changed_spans(
+    degree: int,
+    knots: Array,
+    rows: Array,
+    other_knots: Array,
+    other_rows: Array,
+    weights: Array | None,
+    other_weights: Array | None,
+    /,
+) -> list[tuple[float, float]]: ...
+def level_counts(u: Array, counts: IntArray, /) -> None: ...

@@ -46,6 +46,8 @@ _SPARE_FROM = 5.0
 _BLOCKS = (6, 6) + (1,) * 60
 # If no more than this share of the chords failed (and one), they are cut at once.
 _FEW = 0.02
+# No chord is taken to need less than this part of the tolerance's square root.
+_LEAST_NEED = 1e-3
 # A chord is cut into this many parts at most in one round.
 _MOST_PARTS = 16
 _SPLITS = 2
@@ -130,7 +132,7 @@ def sample_spline(
         raise _out_of_reach(tolerance, worst, hull)
 
     second = None
-    if not rational and degree in (2, 3):
+    if not rational and degree in (2, 3) and not compiled.active:
         second = second_derivative_coefficients(stretch.knots, stretch.coefficients, degree)
     nodes, shares = _density(stretch, second, start, stop, room * _MARGIN)
     t = np.append(_lay_out(nodes, shares, fixed[:-1], fixed[1:], spare=_SPARE)[0], stop)
@@ -228,13 +230,16 @@ def _density(
 
 def _corrected(nodes: Array, shares: Array, t: Array, needs: Array) -> tuple[Array, Array]:
     """Scale the density on each chord so that the chord's share is what it needs."""
+    if compiled.active:
+        finer, scaled = compiled.core.corrected(nodes, shares, t, needs, _LEAST_NEED)
+        return np.frombuffer(finer), np.frombuffer(scaled)
     sums = np.concatenate(([0.0], shares.cumsum()))
     grid = np.concatenate((nodes, t))
     grid.sort()
     shares = np.diff(np.interp(grid, nodes, sums))
     chords = np.minimum(t.searchsorted(grid[:-1], "right") - 1, len(needs) - 1)
     totals = np.bincount(chords, weights=shares, minlength=len(needs))
-    scale = np.divide(np.maximum(needs, 1e-3), totals, out=np.ones_like(needs), where=totals > 0)
+    scale = np.divide(np.maximum(needs, _LEAST_NEED), totals, out=np.ones_like(needs), where=totals > 0)
     return grid, shares * scale.take(chords)
 
 
@@ -250,6 +255,12 @@ def _lay_out(
     nodes: Array, shares: Array, begins: Array, ends: Array, least: int = 1, spare: float = 0.0
 ) -> tuple[Array, IntArray]:
     """Divide intervals into chords of equal shares, at most 1; return their starts and counts."""
+    if compiled.active:
+        most = _MOST_PARTS if least > 1 else np.inf
+        starts, numbers = compiled.core.lay_out(
+            nodes, shares, begins, ends, least, most, spare, _SPARE_FROM
+        )
+        return np.frombuffer(starts), np.frombuffer(numbers, dtype=np.intp)
     sums = np.concatenate(([0.0], shares.cumsum()))
     marks = np.interp(begins, nodes, sums)
     needs = np.interp(ends, nodes, sums) - marks
@@ -289,7 +300,8 @@ def _certify(
 ) -> Array:
     """Bound the deviation from chords between points of the curve, rounding included."""
     if compiled.active:
-        limit = np.array([] if second is None else [tolerance])
+        has_cheap_bound = stretch.degree <= 3 and not stretch.rational
+        limit = np.array([tolerance] if has_cheap_bound else [])
         chords = starts, stops, low, high
         return compiled_chord_bounds(
             stretch[:4], chords, limit, splits=_SPLITS, inscribed=True

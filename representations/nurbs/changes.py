@@ -14,6 +14,7 @@ from multirep.blocks import BlockArray
 from multirep.interval import Interval
 from multirep.splices import SpliceList
 from multirep.spline_tree import changed_spans
+from multirep.splines import compiled
 
 
 def merged(starts: Array, stops: Array, domain: Interval) -> SpliceList:
@@ -73,6 +74,19 @@ def difference(
     other_first, other_last = min(first, n + shift - 1), max(last + shift, first + 1)
     a = mine.window(first - p, last + p + 1)
     b = theirs.window(other_first - p, min(other_last, n + shift) + p + 1)
+    if compiled.active:
+        read = [
+            rows_of.window(start - p, stop)
+            for pair in rows
+            for rows_of, start, stop in zip(
+                pair, (first, other_first), (last, other_first + len(b) - 2 * p - 1), strict=True
+            )
+        ]
+        read += [None] * (4 - len(read))
+        found = compiled.core.changed_spans(p, a, read[0], b, *read[1:])
+        return SpliceList(
+            (max(start, domain.start), min(stop, domain.stop)) for start, stop in found
+        )
     spans = (a[p : len(a) - p - 1] < a[p + 1 : len(a) - p]).nonzero()[0] + p
     found = b.searchsorted(a[spans], "right") - 1
     found = np.minimum(np.maximum(found, p), len(b) - p - 2)

@@ -12,6 +12,7 @@ import numpy as np
 
 from multirep.arrays import Array, Indices
 from multirep.interval import Interval
+from multirep.splines import compiled
 
 __all__ = [
     "FINEST_LEVEL",
@@ -173,5 +174,9 @@ def level_counts(u: Array) -> Indices:
     >>> level_counts(np.array([0.25, 0.5, 0.75]))[:4].tolist()
     [0, 1, 2, 0]
     """
+    if compiled.active:
+        found = np.empty(53, dtype=np.intp)
+        compiled.core.level_counts(u, found)
+        return found
     counts: Indices = np.bincount(levels(u), minlength=53)
     return counts

@@ -12,6 +12,7 @@ from multirep.blocks import BlockArray
 from multirep.interval import Interval
 from multirep.representations.wavelet.dyadic import level_counts, parameters
 from multirep.splices import SpliceList
+from multirep.splines import compiled
 from multirep.splines.evaluation import evaluate
 from multirep.splines.polar import refine
 
@@ -204,6 +205,16 @@ def differences(one: Graded, two: Graded) -> SpliceList:
     begin, end = max(begin, 3), min(end, one.size)
     if begin >= end:
         return SpliceList.EMPTY
+    if compiled.active:
+        windows = [
+            array.window(begin - 3, stop)
+            for version, last in ((one, end), (two, end + shift))
+            for array, stop in ((version.u, last + 4), (version.points, last))
+        ]
+        found = compiled.core.changed_spans(3, *windows, None, None)
+        return SpliceList(
+            tuple(parameters(np.array(pair), one.domain).tolist()) for pair in found
+        )
     count, a = end - begin, one.u.window(begin - 2, end + 3)
     mine = one.points.window(begin - 3, end).view(np.int64)
     theirs = two.points.window(begin - 3, end + shift).view(np.int64)

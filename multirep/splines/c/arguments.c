@@ -142,7 +142,16 @@ double real(Call *call, PyObject *number)
     return value;
 }
 
-PyObject *bytes_of(const double *numbers, Index count)
+PyObject *bytes_of(const void *numbers, Index size)
 {
-    return PyByteArray_FromStringAndSize((const char *)numbers, count * (Index)sizeof(double));
+    return PyByteArray_FromStringAndSize(numbers, size);
+}
+
+PyObject *pair_of(Call *call, PyObject *first, PyObject *second)
+{
+    PyObject *pair = first && second ? PyTuple_Pack(2, first, second) : NULL;
+    Py_XDECREF(first);
+    Py_XDECREF(second);
+    call->failed |= !pair;
+    return pair;
 }

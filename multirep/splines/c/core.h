@@ -58,8 +58,9 @@ double real(Call *call, PyObject *number);
 double *scratch(Call *call, Index count);
 Index *index_scratch(Call *call, Index count);
 void expect(Call *call, int condition, const char *otherwise);
-/* A new bytearray of float64 numbers, to be read by numpy.frombuffer. */
-PyObject *bytes_of(const double *numbers, Index count);
+/* A new bytearray of numbers, to be read by numpy.frombuffer, and a pair of such. */
+PyObject *bytes_of(const void *numbers, Index size);
+PyObject *pair_of(Call *call, PyObject *first, PyObject *second);
 
 /* -- basis.c: spans, basis functions, polar forms ---------------------------------------------- */
 
@@ -106,10 +107,14 @@ METHOD(core_solve_window);
 METHOD(core_fit);
 METHOD(core_chord_bounds);
 METHOD(core_density);
+METHOD(core_lay_out);
+METHOD(core_corrected);
 METHOD(core_attempt);
 METHOD(core_follow);
 METHOD(core_predict);
 METHOD(core_common);
+METHOD(core_changed_spans);
+METHOD(core_level_counts);
 
 static inline double larger(double a, double b) { return a > b ? a : b; }
 static inline double smaller(double a, double b) { return a < b ? a : b; }

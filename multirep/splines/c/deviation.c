@@ -371,11 +371,8 @@ METHOD(core_density)
     PyObject *found = NULL;
     if (!call.failed) {
         nodes[total] = stop;
-        PyObject *grid = bytes_of(nodes, total + 1), *density = bytes_of(shares, total);
-        found = grid && density ? PyTuple_Pack(2, grid, density) : NULL;
-        call.failed = !found;
-        Py_XDECREF(grid);
-        Py_XDECREF(density);
+        found = pair_of(&call, bytes_of(nodes, (total + 1) * (Index)sizeof(double)),
+                        bytes_of(shares, total * (Index)sizeof(double)));
     }
     return finish(&call, found);
 }

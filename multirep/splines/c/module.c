@@ -12,10 +12,14 @@ static PyMethodDef methods[] = {
     ENTRY(fit),
     ENTRY(chord_bounds),
     ENTRY(density),
+    ENTRY(lay_out),
+    ENTRY(corrected),
     ENTRY(attempt),
     ENTRY(follow),
     ENTRY(predict),
     ENTRY(common),
+    ENTRY(changed_spans),
+    ENTRY(level_counts),
     {NULL, NULL, 0, NULL},
 };
 
