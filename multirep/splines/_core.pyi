@@ -134,13 +134,6 @@ def corrected(
     nodes: Array, shares: Array, t: Array, needs: Array, least: float, /
 ) -> tuple[bytearray, bytearray]: ...
 def changed_spans(
-    degree: int,
-    knots: Array,
-    rows: Array,
-    other_knots: Array,
-    other_rows: Array,
-    weights: Array | None,
-    other_weights: Array | None,
-    /,
+    degree: int, knots: Array, other_knots: Array, rows: list[tuple[Array, Array]], /
 ) -> list[tuple[float, float]]: ...
 def level_counts(u: Array, counts: IntArray, /) -> None: ...

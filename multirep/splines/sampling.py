@@ -239,7 +239,9 @@ def _corrected(nodes: Array, shares: Array, t: Array, needs: Array) -> tuple[Arr
     shares = np.diff(np.interp(grid, nodes, sums))
     chords = np.minimum(t.searchsorted(grid[:-1], "right") - 1, len(needs) - 1)
     totals = np.bincount(chords, weights=shares, minlength=len(needs))
-    scale = np.divide(np.maximum(needs, _LEAST_NEED), totals, out=np.ones_like(needs), where=totals > 0)
+    scale = np.divide(
+        np.maximum(needs, _LEAST_NEED), totals, out=np.ones_like(needs), where=totals > 0
+    )
     return grid, shares * scale.take(chords)
 
 
@@ -302,10 +304,8 @@ def _certify(
     if compiled.active:
         has_cheap_bound = stretch.degree <= 3 and not stretch.rational
         limit = np.array([tolerance] if has_cheap_bound else [])
-        chords = starts, stops, low, high
-        return compiled_chord_bounds(
-            stretch[:4], chords, limit, splits=_SPLITS, inscribed=True
-        )
+        lines = starts, stops, low, high
+        return compiled_chord_bounds(stretch[:4], lines, limit, splits=_SPLITS, inscribed=True)
     pieces = cut_pieces(stretch.breaks, starts, stops)
     count = len(pieces.cells)
     off = np.zeros(count + 1)

@@ -75,17 +75,14 @@ def difference(
     a = mine.window(first - p, last + p + 1)
     b = theirs.window(other_first - p, min(other_last, n + shift) + p + 1)
     if compiled.active:
+        end = other_first + len(b) - 2 * p - 1
         read = [
-            rows_of.window(start - p, stop)
-            for pair in rows
-            for rows_of, start, stop in zip(
-                pair, (first, other_first), (last, other_first + len(b) - 2 * p - 1), strict=True
-            )
+            (here.window(first - p, last), there.window(other_first - p, end))
+            for here, there in rows
         ]
-        read += [None] * (4 - len(read))
-        found = compiled.core.changed_spans(p, a, read[0], b, *read[1:])
         return SpliceList(
-            (max(start, domain.start), min(stop, domain.stop)) for start, stop in found
+            (max(start, domain.start), min(stop, domain.stop))
+            for start, stop in compiled.core.changed_spans(p, a, b, read)
         )
     spans = (a[p : len(a) - p - 1] < a[p + 1 : len(a) - p]).nonzero()[0] + p
     found = b.searchsorted(a[spans], "right") - 1

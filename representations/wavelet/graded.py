@@ -206,14 +206,11 @@ def differences(one: Graded, two: Graded) -> SpliceList:
     if begin >= end:
         return SpliceList.EMPTY
     if compiled.active:
-        windows = [
-            array.window(begin - 3, stop)
-            for version, last in ((one, end), (two, end + shift))
-            for array, stop in ((version.u, last + 4), (version.points, last))
-        ]
-        found = compiled.core.changed_spans(3, *windows, None, None)
+        rows = one.points.window(begin - 3, end), two.points.window(begin - 3, end + shift)
+        read = one.u.window(begin - 3, end + 4), two.u.window(begin - 3, end + shift + 4)
         return SpliceList(
-            tuple(parameters(np.array(pair), one.domain).tolist()) for pair in found
+            tuple(parameters(np.array(interval), one.domain).tolist())
+            for interval in compiled.core.changed_spans(3, *read, [rows])
         )
     count, a = end - begin, one.u.window(begin - 2, end + 3)
     mine = one.points.window(begin - 3, end).view(np.int64)
@@ -236,9 +233,9 @@ def differences(one: Graded, two: Graded) -> SpliceList:
         ]
     same = np.ones(count, dtype=bool)
     for equal, width in kept:
-        rows = equal.all(axis=1)
+        whole = equal.all(axis=1)
         for k in range(width):
-            same &= rows[k : k + count]
+            same &= whole[k : k + count]
     changed = (~same).nonzero()[0]
     if not len(changed):
         return SpliceList.EMPTY

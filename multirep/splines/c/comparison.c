@@ -39,45 +39,58 @@ static int same_span(const Spline *one, Index k, const Spline *two, Index j)
     return !memcmp(local_rows(one, k), local_rows(two, j), rows);
 }
 
+/* Whether a span of all pairs of splines reads the same. */
+static int same_spans(const Spline (*pairs)[2], Index count, Index k, Index j)
+{
+    for (Index i = 0; i < count; i++)
+        if (!same_span(&pairs[i][0], k, &pairs[i][1], j))
+            return 0;
+    return 1;
+}
+
 METHOD(core_changed_spans)
 {
-    /* degree, knots and control points of a window of one spline, of another, and of both the
-    weights or None; returns the longest intervals, pairs of knots of the first, on whose spans they
-    read something else */
+    /* degree, knots of a window of one spline and of another, a list of pairs of rows (control
+    points, weights); returns the longest intervals, pairs of knots of the first, on whose spans
+    they read something else */
+    enum { MOST_PAIRS = 4 };
+    Spline pairs[MOST_PAIRS][2];
     Call call;
-    begin(&call, count, 7);
+    begin(&call, count, 4);
     if (call.failed)
         return finish(&call, NULL);
-    Index p = integer(&call, values[0]);
-    Table knots = reals(&call, values[1]), other_knots = reals(&call, values[3]);
-    Spline one = spline_of(&call, knots, reals(&call, values[2]), p);
-    Spline two = spline_of(&call, other_knots, reals(&call, values[4]), p);
-    Spline bottoms[2] = {one, one};
-    int weighted = values[5] != Py_None && values[6] != Py_None;
-    if (weighted) {
-        bottoms[0] = spline_of(&call, knots, reals(&call, values[5]), p);
-        bottoms[1] = spline_of(&call, other_knots, reals(&call, values[6]), p);
+    Index p = integer(&call, values[0]), rows = PyList_Size(values[3]);
+    Table knots[2] = {reals(&call, values[1]), reals(&call, values[2])};
+    call.failed |= rows < 0;
+    expect(&call, p >= 1 && rows >= 1 && rows <= MOST_PAIRS, "one to four pairs are compared");
+    for (Index i = 0; !call.failed && i < rows; i++) {
+        PyObject *pair = PyList_GetItem(values[3], i); /* borrowed */
+        for (Index side = 0; side < 2 && !call.failed; side++) {
+            PyObject *array = PyTuple_GetItem(pair, side);
+            call.failed |= !array;
+            if (!call.failed)
+                pairs[i][side] = spline_of(&call, knots[side], reals(&call, array), p);
+        }
+        expect(&call, call.failed || pairs[i][0].dimension == pairs[i][1].dimension,
+               "rows of different lengths are compared");
     }
-    expect(&call, p >= 1 && one.dimension == two.dimension &&
-                      (!weighted || bottoms[0].dimension == bottoms[1].dimension),
-           "rows of different lengths are compared");
     PyObject *found = call.failed ? NULL : PyList_New(0);
     call.failed |= !found;
-    Index at = p, open = -1; /* the span whose start began an interval */
-    for (Index k = p; !call.failed && k <= one.count; k++) {
-        int same = k == one.count;
-        if (!same) {
-            if (!(one.knots[k] < one.knots[k + 1]))
-                continue;
-            while (at < two.count - 1 && two.knots[at + 1] <= one.knots[k])
-                at++;
-            same = same_span(&one, k, &two, at) &&
-                   (!weighted || same_span(&bottoms[0], k, &bottoms[1], at));
-        }
+    if (call.failed)
+        return finish(&call, found);
+    const double *mine = knots[0].at, *theirs = knots[1].at;
+    Index stop = pairs[0][0].count, last = pairs[0][1].count - 1;
+    Index at = p, open = -1; /* the span whose start begins an interval */
+    for (Index k = p; !call.failed && k <= stop; k++) {
+        if (k < stop && !(mine[k] < mine[k + 1]))
+            continue;
+        while (k < stop && at < last && theirs[at + 1] <= mine[k])
+            at++;
+        int same = k == stop || same_spans(pairs, rows, k, at);
         if (!same && open < 0)
             open = k;
         if (same && open >= 0) {
-            PyObject *pair = Py_BuildValue("dd", one.knots[open], one.knots[k]);
+            PyObject *pair = Py_BuildValue("dd", mine[open], mine[k]);
             call.failed |= !pair || PyList_Append(found, pair) < 0;
             Py_XDECREF(pair);
             open = -1;

@@ -1,0 +1,455 @@
+"""The compiled core against the numpy functions that it stands for."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any, NamedTuple, TypeVar
+
+import numpy as np
+import pytest
+from hypothesis import assume, given
+from hypothesis import strategies as st
+
+from multirep.blocks import BlockArray, _common
+from multirep.interval import Interval
+from multirep.representations.nurbs.changes import difference
+from multirep.representations.nurbs.fitting import Breakpoints
+from multirep.representations.nurbs.problem import Course, Problem
+from multirep.representations.wavelet import attempt, prediction
+from multirep.representations.wavelet.dyadic import level_counts
+from multirep.representations.wavelet.target import Target
+from multirep.sampled import SampledSplice
+from multirep.splines import compiled, evaluate, sampling
+from multirep.splines.arrays import Array
+from multirep.splines.basis import basis_functions, find_spans
+from multirep.splines.curvature import second_derivative_coefficients
+from multirep.splines.deviation import spline_chord_deviation
+from multirep.splines.least_squares import polyline_rows, solve_window
+from multirep.splines.pieces import cut_stretch
+from multirep.splines.polar import blossom
+
+R = TypeVar("R")
+ROOT = Path(__file__).resolve().parents[2]
+EPS = float(np.finfo(float).eps)
+
+pytestmark = pytest.mark.skipif(compiled.core is None, reason="the core was not built")
+
+
+@contextmanager
+def core(active: bool) -> Iterator[None]:
+    """Let functions use the core, or not."""
+    before, compiled.active = compiled.active, active
+    try:
+        yield
+    finally:
+        compiled.active = before
+
+
+def both(function: Callable[[], R]) -> tuple[R, R]:
+    """Call with the core and without it."""
+    with core(True):
+        fast = function()
+    with core(False):
+        return fast, function()
+
+
+def same(one: Any, two: Any) -> bool:
+    """Whether two arrays have the same shape and bits."""
+    return one.shape == two.shape and one.tobytes() == np.ascontiguousarray(two).tobytes()
+
+
+class Spline(NamedTuple):
+    knots: Array
+    coefficients: Array
+    degree: int
+    rational: bool
+    scale: float
+
+
+@st.composite
+def splines(draw: st.DrawFn, degrees: tuple[int, int] = (1, 7)) -> Spline:
+    """Draw any degree, dimension and spacing: clustered and full knots, far coordinates."""
+    p, d = draw(st.integers(*degrees)), draw(st.integers(1, 4))
+    gaps = draw(st.lists(st.sampled_from([1.0, 0.5, 2.0**-20, 2.0**-40]), min_size=1, max_size=6))
+    breaks = np.concatenate(([0.0], np.cumsum(gaps)))
+    times = draw(st.lists(st.integers(1, p), min_size=len(breaks) - 2, max_size=len(breaks) - 2))
+    inner = breaks[1:-1].repeat(np.array(times, dtype=int))
+    knots = np.concatenate((np.repeat(breaks[0], p + 1), inner, np.repeat(breaks[-1], p + 1)))
+    count = len(knots) - p - 1
+    rng = np.random.default_rng(draw(st.integers(0, 2**32 - 1)))
+    scale = draw(st.sampled_from([1.0, 1e-9, 1e12]))
+    offset = draw(st.sampled_from([0.0, 1.0, 1e6]))
+    points = (rng.integers(-64, 65, (count, d)) / 64 + offset) * scale
+    rational = draw(st.booleans())
+    if rational:
+        weights = rng.integers(1, 65, (count, 1)) / 16
+        points = np.concatenate((points * weights, weights), axis=1)
+    return Spline(knots, points, p, rational, scale * (1 + offset))
+
+
+def parameters(spline: Spline, seed: int, count: int = 40) -> Array:
+    """Parameters in the domain, the knots and their neighbours among them."""
+    rng = np.random.default_rng(seed)
+    near = np.concatenate((spline.knots, np.nextafter(spline.knots, np.inf)))
+    stop = spline.knots[-1]
+    return np.sort(np.concatenate((rng.random(count) * stop, np.minimum(near, stop))))
+
+
+seeds = st.integers(0, 2**32 - 1)
+
+
+@given(splines(), seeds, st.booleans())
+def test_spans_and_basis_functions_have_the_same_bits(
+    spline: Spline, seed: int, shuffled: bool
+) -> None:
+    """In order or not, inside the domain or beyond."""
+    t = np.concatenate(([-1.0], parameters(spline, seed), [1e3]))
+    if shuffled:
+        np.random.default_rng(seed).shuffle(t)
+    fast, pure = both(lambda: find_spans(spline.knots, spline.degree, t))
+    assert same(fast, pure)
+    fast, pure = both(lambda: basis_functions(spline.knots, spline.degree, t, fast))
+    assert same(fast, np.ascontiguousarray(pure))
+
+
+@given(splines(), seeds)
+def test_polar_forms_have_the_same_bits(spline: Spline, seed: int) -> None:
+    """Any arguments, near the span and far from it."""
+    rng = np.random.default_rng(seed)
+    t = parameters(spline, seed)
+    spans = find_spans(spline.knots, spline.degree, t)
+    arguments = rng.choice(t, (len(t), spline.degree))
+    fast, pure = both(
+        lambda: blossom(spline.knots, spline.coefficients, spline.degree, spans, arguments)
+    )
+    assert same(fast, pure)
+
+
+class Line(NamedTuple):
+    t: Array
+    points: Array
+
+
+def polyline(spline: Spline, seed: int, count: int) -> Line:
+    """A polyline over the domain of a spline, rough, in as many coordinates as its points."""
+    rng = np.random.default_rng(seed)
+    inner = np.unique(rng.integers(1, 2**20, count)) * 2.0**-20
+    t = np.concatenate(([0.0], inner * spline.knots[-1], spline.knots[-1:]))
+    d = spline.coefficients.shape[1] - spline.rational
+    points = rng.integers(-64, 65, (len(t), d)) / 64 * spline.scale
+    return Line(t, points)
+
+
+@given(splines(), seeds, st.integers(0, 30), st.sampled_from([None, 1, 7]))
+def test_the_same_rows_are_chosen(
+    spline: Spline, seed: int, count: int, per_span: int | None
+) -> None:
+    """Rows and weights to the bit, the polyline there to the last place."""
+    line = polyline(spline, seed, count)
+    fast, pure = both(lambda: polyline_rows(spline.knots, spline.degree, *line, per_span=per_span))
+    assert same(fast[0], pure[0])
+    assert np.abs(fast[1] - pure[1]).max() <= 4 * EPS * spline.scale
+    assert same(fast[2], pure[2])
+
+
+@given(splines((1, 5)), seeds, st.integers(0, 30), st.integers(0, 3), st.integers(0, 3))
+def test_the_same_control_points_are_found(
+    spline: Spline, seed: int, count: int, left: int, right: int
+) -> None:
+    """Whatever is held; to the condition of the normal equations. Errors are the same, too."""
+    line = polyline(spline, seed, count)
+    with core(False):
+        rows = polyline_rows(spline.knots, spline.degree, *line)
+    n = len(spline.coefficients)
+    free = slice(min(left, n), max(n - right, min(left, n)))
+    points, weights = spline.coefficients, None
+    if spline.rational:
+        weights = points[:, -1]
+        points = points[:, :-1] / points[:, -1:]
+    fast, pure = both(
+        lambda: solve_window(spline.knots, spline.degree, points, free, *rows, weights)
+    )
+    assert np.abs(fast - pure).max() <= 1e-6 * spline.scale
+    held = np.ones(n, dtype=bool)
+    held[free] = False
+    assert same(fast[held], points[held])
+
+    def error() -> str:
+        """No row beyond the first: not determined."""
+        with pytest.raises(np.linalg.LinAlgError) as raised:
+            solve_window(spline.knots, spline.degree, points, slice(0, n), *(x[:1] for x in rows))
+        return str(raised.value)
+
+    if n > 1:
+        assert len(set(both(error))) == 1
+
+
+class Free(NamedTuple):
+    """Ends at which nothing stands fixed; weights if the basis is rational."""
+
+    degree: int
+    weights: Array | None
+
+    def knots(self, breakpoints: Breakpoints) -> Array:
+        return breakpoints.at.repeat(breakpoints.times)
+
+    def fixed(self, knots: Array, breakpoints: Breakpoints) -> tuple[Array, slice, Array | None]:
+        n = len(knots) - self.degree - 1
+        return np.zeros((n, 2)), slice(0, n), self.weights
+
+    def roomy(self, breakpoints: Breakpoints) -> Breakpoints:
+        return breakpoints
+
+
+@given(splines((1, 4)), seeds, st.integers(1, 30), st.booleans(), st.booleans())
+def test_a_trial_is_the_same(
+    spline: Spline, seed: int, count: int, uniform: bool, emphasised: bool
+) -> None:
+    """Control points, rows, residuals and what they come to, in one call or in many."""
+    rng = np.random.default_rng(seed)
+    at, times = np.unique(spline.knots, return_counts=True)
+    assume(np.diff(at).min() > 1e-3)
+    t, _ = polyline(spline, seed, count)
+    points = rng.integers(-64, 65, (len(t), 2)) / 64
+    allowance = np.full(len(t) - 1, 0.5) if uniform else rng.integers(1, 9, len(t) - 1) / 8
+    weights = spline.coefficients[:, -1].copy() if spline.rational else None
+    course = Course.of(t, points, allowance)
+    problem = Problem(spline.degree, course, Free(spline.degree, weights))
+    breakpoints = Breakpoints(at, times)
+    emphasis = None
+    if emphasised:
+        emphasis = 1 + rng.random(len(problem.tried(breakpoints).rows))
+    fast, pure = both(lambda: problem.tried(breakpoints, emphasis))
+    assert same(fast.knots, pure.knots)
+    assert same(fast.rows, pure.rows)
+    assert same(fast.firsts, pure.firsts)
+    assert np.abs(fast.points - pure.points).max() <= 1e-7 * max(1.0, np.abs(pure.points).max())
+    assert np.abs(fast.ratios - pure.ratios).max() <= 1e-7
+    assert np.abs(fast.worst - pure.worst).max() <= 1e-7
+
+
+@given(splines(), seeds, st.integers(0, 12), st.integers(0, 3), st.sampled_from([None, 0.0, 0.5]))
+def test_deviations_are_proved_alike(
+    spline: Spline, seed: int, count: int, splits: int, allowance: float | None
+) -> None:
+    """Never below what is seen; as sharp as without the core."""
+    t, points = polyline(spline, seed, count)
+    arguments = (spline.knots, spline.coefficients, spline.degree, t, points)
+    limit = None if allowance is None else allowance * spline.scale
+    fast, pure = both(
+        lambda: spline_chord_deviation(
+            *arguments, rational=spline.rational, splits=splits, allowance=limit
+        )
+    )
+    assert np.abs(fast - pure).max() <= 1e-9 * pure.max()
+    shares = np.linspace(0, 1, 50)[:-1, None]
+    at = t[:-1] + shares * np.diff(t)
+    line = points[:-1] + shares[..., None] * np.diff(points, axis=0)
+    seen = evaluate(spline.knots, spline.coefficients, spline.degree, at.ravel())
+    if spline.rational:
+        seen = seen[:, :-1] / seen[:, -1:]
+    off = np.linalg.norm(seen.reshape(line.shape) - line, axis=2)
+    assert (off <= fast).all()
+
+
+@given(splines(), st.sampled_from([1e-2, 1e-4]))
+def test_samples_are_laid_out_alike(spline: Spline, tolerance: float) -> None:
+    """The density and the chords of equal shares to rounding; every bound below the tolerance."""
+    stop = float(spline.knots[-1])
+    tolerance *= spline.scale
+    stretch = cut_stretch(*spline[:3], 0.0, stop, spline.rational)
+    second = None
+    if not spline.rational and spline.degree in (2, 3):
+        second = second_derivative_coefficients(*stretch[:3])
+    fast, pure = both(lambda: sampling._density(stretch, second, 0.0, stop, tolerance))
+    # a number of cells that is a whole number but for rounding may be rounded up or not
+    assume(len(fast[0]) == len(pure[0]))
+    assert np.abs(fast[0] - pure[0]).max() <= 4 * EPS * stop
+    assert np.abs(fast[1] - pure[1]).max() <= 1e-5 * max(1.0, pure[1].max())
+    nodes, shares = pure
+    ends = np.array([0.0, stop / 4, stop])
+    for least, spare in ((1, 0.0), (2, 0.25)):
+        fast, pure = both(
+            lambda least=least, spare=spare: sampling._lay_out(
+                nodes, shares, ends[:-1], ends[1:], least, spare
+            )
+        )
+        assert same(fast[1], pure[1])
+        assert np.abs(fast[0] - pure[0]).max() <= 8 * EPS * stop
+    t = np.append(pure[0], stop)
+    needs = np.linspace(0.0, 2.0, len(t) - 1)
+    fast, pure = both(lambda: sampling._corrected(nodes, shares, t, needs))
+    assert same(fast[0], pure[0])
+    assert np.abs(fast[1] - pure[1]).max() <= 1e-9 * max(1.0, pure[1].max())
+    with core(True):
+        t, _, bounds = sampling.sample_spline(
+            *spline[:3], 0.0, stop, tolerance=tolerance, rational=spline.rational
+        )
+    assert (bounds <= tolerance).all()
+    assert (np.diff(t) > 0).all()
+
+
+@st.composite
+def targets(draw: st.DrawFn) -> tuple[Target, attempt.Problem, Array]:
+    """Draw a polyline, the fit of it with or without pins, and dyadic knots."""
+    rng = np.random.default_rng(draw(seeds))
+    inner = draw(st.lists(st.integers(1, 255), min_size=2, max_size=20, unique=True))
+    u = np.array([0, *sorted(inner), 256]) / 256
+    t = np.concatenate(([0.0], np.unique(rng.integers(1, 2**12, 30)) * 2.0**-12, [1.0]))
+    d = draw(st.integers(1, 4))
+    scale = draw(st.sampled_from([1.0, 1e-9, 1e9]))
+    points = rng.integers(-64, 65, (len(t), d)) / 64 * scale
+    points += draw(st.sampled_from([0.0, 1e6])) * scale
+    sampled = SampledSplice(t, points)
+    target = Target.of(sampled, draw(st.sampled_from([1.0, 1e-3])) * scale)
+    joined = draw(st.booleans())
+    pieces = None
+    if joined:
+        knots = (np.arange(-2.0, 4.0) / 8, np.arange(-2.0, 4.0) / 8 + 0.9)
+        local = rng.integers(-64, 65, (2, 4, d)) / 64 * scale
+        pieces = attempt.frame_pieces((knots[0], local[0]), (knots[1], local[1]))
+    frame = attempt.Frame(
+        np.array([-3, -2, -1]) / 8 if joined else np.zeros(3),
+        np.array([9, 10, 11]) / 8 if joined else np.ones(3),
+        pieces,
+        joined,
+        joined,
+    )
+    problem = attempt.Problem.of(target, lambda u: u, frame, scale)
+    return target, problem, u
+
+
+@given(targets())
+def test_a_wavelet_fit_is_the_same(drawn: tuple[Target, attempt.Problem, Array]) -> None:
+    """Control points, nets, proved ratios and bound."""
+    target, problem, u = drawn
+    fast, pure = both(lambda: problem.attempt(u))
+    scale = max(np.abs(pure.points).max(), np.abs(target.points).max())
+    assert np.abs(fast.points - pure.points).max() <= 1e-9 * scale
+    assert np.abs(fast.nets - pure.nets).max() <= 1e-9 * scale
+    rounded = 1e-9 * scale / problem.limits.min()
+    assert np.abs(fast.ratios - pure.ratios).max() <= rounded
+    assert abs(fast.bound - pure.bound) <= 1e-9 * scale
+
+
+@given(targets())
+def test_predictions_are_the_same(drawn: tuple[Target, attempt.Problem, Array]) -> None:
+    """The polyline at any parameters, and what no polynomial explains on any spans."""
+    target, _, u = drawn
+    for t in (u, u[::-1], u[:, None] * np.array([0.0, 0.5, 1.0])):
+        fast, pure = both(lambda t=t: target.at(t))
+        assert same(fast[0], pure[0])
+        assert same(fast[1], pure[1])
+    fast, pure = both(lambda: prediction._unexplained(target, u[:-1], u[1:]))
+    assert np.abs(fast - pure).max() <= 1e-9 * max(1.0, pure.max())
+
+
+@given(
+    st.lists(st.sampled_from([0.0, -0.0, 1.0]), max_size=12),
+    st.lists(st.sampled_from([0.0, -0.0, 1.0]), max_size=12),
+    st.integers(1, 2),
+)
+def test_common_rows_are_the_same(a: list[float], b: list[float], width: int) -> None:
+    """Prefix and suffix, bit by bit; any lengths."""
+    rows = [np.repeat(np.array(x), width).reshape(-1, width) for x in (a, b)]
+    fast, pure = both(lambda: _common(*rows))
+    assert fast == pure
+
+
+@given(splines(), splines(), st.integers(0, 20), st.booleans())
+def test_differences_are_the_same(spline: Spline, other: Spline, at: int, weighted: bool) -> None:
+    """A knot more, another control point, or a different curve altogether."""
+    p, knots, points = spline.degree, spline.knots, spline.coefficients
+    changed = points.copy()
+    changed[at % len(points)] += 1.0
+    finer = np.sort(np.append(knots, knots[p] + (knots[-1] - knots[0]) / 3))
+    longer = np.concatenate((points[: at % len(points)], points[:1], points[at % len(points) :]))
+    domain = Interval(float(knots[0]), float(knots[-1]))
+    for new_knots, new_points in ((knots, changed), (finer, longer), (knots, points)):
+        pairs = [(BlockArray.of(points), BlockArray.of(new_points))]
+        if weighted:
+            pairs.append((BlockArray.of(points[:, 0]), BlockArray.of(new_points[:, 0])))
+        both_knots = (BlockArray.of(knots), BlockArray.of(new_knots))
+        fast, pure = both(lambda k=both_knots, r=tuple(pairs): difference(p, domain, k, r))
+        assert fast == pure
+
+
+@given(st.lists(st.integers(0, 2**20), max_size=30))
+def test_levels_are_counted_alike(numerators: list[int]) -> None:
+    """Coarse dyadic numbers and the finest."""
+    u = np.concatenate((np.array(numerators, dtype=float) / 2**20, [2.0**-46, 0.0, 1.0]))
+    fast, pure = both(lambda: level_counts(u))
+    assert same(fast, pure)
+
+
+# -- the border between Python and C ---------------------------------------------------------------
+
+
+def test_what_does_not_fit_is_refused() -> None:
+    """Indices out of bounds, lengths that do not agree, other types: errors, not crashes."""
+    knots, points = np.array([0, 0, 0, 1, 1, 1.0]), np.zeros((3, 2))
+    t, spans = np.array([0.5]), np.array([2])
+    call = compiled.core
+    with pytest.raises(ValueError, match="out of bounds"):
+        call.blossom(knots, points, 2, np.array([3]), np.zeros((1, 2)), np.empty((1, 2)))
+    with pytest.raises(ValueError, match="out of bounds"):
+        call.basis_functions(knots, 2, t, np.array([0]), np.empty((1, 3)))
+    with pytest.raises(ValueError, match="2 p \\+ 2 knots"):
+        call.find_spans(knots[:4], 2, t, spans)
+    with pytest.raises(ValueError, match="for each parameter"):
+        call.find_spans(knots, 2, np.zeros(3), spans)
+    with pytest.raises(ValueError, match="different lengths"):
+        call.common(points, knots)
+    with pytest.raises(ValueError, match="n \\+ p \\+ 1 knots"):
+        call.density(knots, points[:2], 2, False, 0.0, 1.0, 1.0)
+    with pytest.raises(ValueError, match="two vertices"):
+        call.polyline_rows(knots, 2, t, points[:1], 3, np.empty(9), points, t)
+    with pytest.raises(TypeError, match="array of format d"):
+        call.find_spans(knots.astype(np.float32), 2, t, spans)
+    with pytest.raises(TypeError, match="expected 2 arguments"):
+        call.common(points)  # type: ignore[call-arg]
+    with pytest.raises((BufferError, ValueError)):
+        call.level_counts(t, np.zeros(106, dtype=np.intp)[::2])
+    spans.setflags(write=False)
+    with pytest.raises((BufferError, ValueError)):
+        call.find_spans(knots, 2, t, spans)
+
+
+def test_arrays_may_lie_anywhere() -> None:
+    """Strided, reversed, read-only: what is read need not lie row after row."""
+    knots = np.array([0, 0, 0, 1, 2, 2, 2.0])
+    wide = np.arange(24.0).reshape(4, 6)
+    spans, arguments = np.array([2, 3]), np.array([[0.5, 0.25], [1.5, 1.25]])
+    with core(True):
+        there = blossom(knots, wide[:, ::-2], 2, spans, arguments.T.copy().T)
+        plain = blossom(knots, wide[:, ::-2].copy(), 2, spans, arguments)
+    assert same(there, plain)
+
+
+def test_everything_works_without_the_core() -> None:
+    """`MULTIREP_PURE` in the environment: numpy alone does the work."""
+    said = subprocess.run(
+        [sys.executable, "-c", "import multirep; print(multirep.compiled)"],
+        cwd=ROOT,
+        env=os.environ | {"MULTIREP_PURE": "1"},
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    assert said.stdout.strip() == "False"
+    suite = ("test_spline_least_squares.py", "test_spline_deviation.py")
+    done = subprocess.run(
+        [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider"]
+        + [f"tests/splines/{name}" for name in suite],
+        cwd=ROOT,
+        env=os.environ | {"MULTIREP_PURE": "1"},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0, done.stdout
