@@ -6,6 +6,7 @@ import os
 import shutil
 import subprocess
 import sys
+import zipfile
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -13,6 +14,8 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[1]
 SOURCES = ("multirep", "representations", "tools", "constraints")
+#: The C files of the compiled core.
+CORE = "core"
 BUILT_FROM = ("pyproject.toml", "setup.py", "README.md", "LICENSE")
 #: Tests that need no checkout around them, and stand for the numerics, the kernel and the scripts.
 SUBSET = ("splines", "kernel", "script", "cli/test_commands.py")
@@ -32,6 +35,7 @@ from multirep.registry import Registry
 registry = Registry.discover()
 for family in (registry.representations, registry.tools, registry.constraints):
     print("plugins", *(family[name].name for name in family))
+print("compiled", multirep.compiled)
 main(["run", sys.argv[1], "--out", "out"], standalone_mode=False)
 for module in list(sys.modules.values()):
     if getattr(module, "__name__", "").split(".")[0] == "multirep":
@@ -55,19 +59,31 @@ def run(command: Sequence[str | Path], cwd: Path, **variables: str) -> str:
     return done.stdout
 
 
-@pytest.fixture(scope="module")
-def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def build(tmp_path_factory: pytest.TempPathFactory, **variables: str) -> Path:
     """Build the wheel from a copy, so that nothing is left in the checkout."""
     copy = tmp_path_factory.mktemp("source")
-    clutter = shutil.ignore_patterns("__pycache__")
-    for folder in SOURCES:
+    clutter = shutil.ignore_patterns("__pycache__", "*.so", "*.pyd")
+    for folder in (*SOURCES, CORE):
         shutil.copytree(ROOT / folder, copy / folder, symlinks=True, ignore=clutter)
     for file in BUILT_FROM:
         shutil.copy(ROOT / file, copy)
     target = tmp_path_factory.mktemp("wheel")
-    run([sys.executable, "-m", "pip", "wheel", "-q", "--no-deps", "-w", target, copy], target)
+    wheel = [sys.executable, "-m", "pip", "wheel", "-q", "--no-deps", "-w", target, copy]
+    run(wheel, target, **variables)
     [built] = target.glob("multirep-*.whl")
     return built
+
+
+@pytest.fixture(scope="module")
+def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The wheel as it comes out here, with the compiled core if there is a compiler."""
+    return build(tmp_path_factory)
+
+
+def has_core(wheel: Path) -> bool:
+    """Whether a wheel carries the compiled core."""
+    names = zipfile.ZipFile(wheel).namelist()
+    return any(name.startswith("multirep/splines/_core.") and name[-3:] != "pyi" for name in names)
 
 
 @pytest.fixture
@@ -77,12 +93,13 @@ def apart(tmp_path: Path) -> Path:
     return tmp_path
 
 
-def check_probe(printed: str, site: Path) -> None:
+def check_probe(printed: str, site: Path, compiled: bool) -> None:
     """Check what the probe printed: all plugins, all modules from the wheel, an example done."""
     lines = [line.split() for line in printed.splitlines()]
     representations, tools, _ = (line[1:] for line in lines if line[:1] == ["plugins"])
     assert {"polyline", "nurbs", "wavelet"} <= set(representations)
     assert {"move-vertex", "set-weight", "sweep", "spatula"} <= set(tools)
+    assert [str(compiled)] in [line[1:] for line in lines if line[:1] == ["compiled"]]
     modules = [Path(line[1]) for line in lines if line[:1] == ["from"]]
     assert len(modules) > 20
     assert all(module.is_relative_to(site) for module in modules)
@@ -97,9 +114,33 @@ def test_the_wheel_works_apart_from_the_checkout(wheel: Path, apart: Path) -> No
     path = {"PYTHONPATH": str(site)}
     version = run([sys.executable, "-m", "multirep", "--version"], apart, **path)
     assert version.split() == ["multirep", wheel.name.split("-")[1]]
-    check_probe(run([sys.executable, "-c", PROBE, "examples/airfoil.toml"], apart, **path), site)
+    printed = run([sys.executable, "-c", PROBE, "examples/airfoil.toml"], apart, **path)
+    check_probe(printed, site, has_core(wheel))
     for name in ("report.json", "geometry.json", "airfoil.svg"):
         assert (apart / "out" / name).is_file()
+
+
+@pytest.mark.skipif(shutil.which("gcc") is None, reason="there is no compiler")
+def test_the_wheel_carries_the_core_if_there_is_a_compiler(wheel: Path) -> None:
+    """One build for every Python from 3.11 on; the C files stay at home."""
+    assert has_core(wheel)
+    assert "-cp311-abi3-" in wheel.name
+    assert not [name for name in zipfile.ZipFile(wheel).namelist() if name.endswith((".c", ".h"))]
+
+
+@pytest.mark.skipif(os.name == "nt", reason="compilers are found in another way there")
+def test_a_wheel_without_the_core_works(
+    tmp_path_factory: pytest.TempPathFactory, apart: Path
+) -> None:
+    """A compiler that fails stops nothing: numpy does the same work."""
+    bare = build(tmp_path_factory, CC="false")
+    assert not has_core(bare)
+    site = apart / "site"
+    pip = [sys.executable, "-m", "pip", "install", "-q", "--no-deps", "--target", site, bare]
+    run(pip, apart)
+    path = {"PYTHONPATH": str(site)}
+    printed = run([sys.executable, "-c", PROBE, "examples/airfoil.toml"], apart, **path)
+    check_probe(printed, site, compiled=False)
 
 
 def newer_python() -> Path | None:
@@ -129,7 +170,8 @@ def test_the_wheel_works_on_the_newer_numpy_stack(wheel: Path, apart: Path) -> N
     there = binaries / "python"
     run([there, "-m", "pip", "install", "-q", f"{wheel}[testing]"], apart)
     assert run([binaries / "multirep", "--version"], apart).startswith("multirep ")
-    check_probe(run([there, "-c", PROBE, "examples/airfoil.toml"], apart), apart / "venv")
+    printed = run([there, "-c", PROBE, "examples/airfoil.toml"], apart)
+    check_probe(printed, apart / "venv", has_core(wheel))
     shutil.copytree(ROOT / "tests", apart / "tests")
     (apart / "pytest.ini").write_text("[pytest]\nmarkers = slow\n")
     chosen = [Path("tests") / part for part in SUBSET]

@@ -1,8 +1,8 @@
 """Whether the compiled core is there: the same mathematics in one call instead of dozens.
 
-An edit works on short arrays, where a numpy call costs more than its arithmetic. The core (the C
-files in ``c`` beside this one) takes over there; the numpy functions stay as its reference, and do
-all the work where the core was not built or ``MULTIREP_PURE`` is set in the environment.
+An edit works on short arrays, where a numpy call costs more than its arithmetic. The core, the C
+files in the project's folder ``core``, takes over there; the numpy functions stay as its reference
+and do all the work where the core was not built or ``MULTIREP_PURE`` is set in the environment.
 """
 
 import os
