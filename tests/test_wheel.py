@@ -31,11 +31,12 @@ from pathlib import Path
 import multirep
 from multirep.cli import main
 from multirep.registry import Registry
+from multirep.splines import compiled
 
 registry = Registry.discover()
 for family in (registry.representations, registry.tools, registry.constraints):
     print("plugins", *(family[name].name for name in family))
-print("compiled", multirep.compiled)
+print("compiled", compiled.active)
 main(["run", sys.argv[1], "--out", "out"], standalone_mode=False)
 for module in list(sys.modules.values()):
     if getattr(module, "__name__", "").split(".")[0] == "multirep":
