@@ -9,6 +9,7 @@ from multirep.blocks import BlockArray
 from multirep.interval import Interval
 from multirep.representations.polyline.splicing import UNIT
 from multirep.sampled import SampledSplice, interpolate
+from multirep.splines import compiled
 
 #: A kink whose rounding off stays below this many sampling tolerances is no corner. A hop has room
 #: for eight (the fit gets seven of them): larger leaves kinks to the fit that it can only follow
@@ -58,6 +59,8 @@ def _corners(t: Array, points: Array, tolerance: float) -> Array:
     that leaves them at their middles and rounds the vertex off with a parabola passes it at a
     distance of J h / 8.
     """
+    if compiled.active:
+        return np.array(compiled.core.kinks(t, points, 8 * HIDDEN * tolerance))
     if len(t) < 3:
         return t[:0]
     steps, h = points[1:] - points[:-1], t[1:] - t[:-1]

@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from multirep.arrays import Array, Indices
+from multirep.splines import compiled
 
 Mask: TypeAlias = npt.NDArray[np.bool_]
 
@@ -55,6 +56,10 @@ def simplify(t: Array, values: Array, targets: Array, allowed: Array, keep: Mask
     >>> simplify(t, line, line, np.full(9, 1e-6), np.zeros(9, bool))
     array([0, 4, 8])
     """
+    if compiled.active:
+        stay = np.flatnonzero(keep)
+        indices = compiled.core.simplify(t, values, targets, allowed, stay, ROUNDS)
+        return np.frombuffer(indices, dtype=np.intp)
     kept: Indices = np.arange(len(t))
     free = ~keep
     free[0] = free[-1] = False

@@ -79,6 +79,10 @@ def halves(starts: Array, stops: Array) -> Array:
     >>> halves(np.array([0.0, 0.0]), np.array([0.5, 0.875]))
     array([0.25, 0.5 ])
     """
+    if compiled.active:
+        middles = np.empty(len(starts))
+        compiled.core.halves(starts, stops, middles)
+        return middles
     lengths = stops - starts
     middle = starts + 0.5 * lengths
     # The largest power of two <= length: its multiple nearest to the middle, or else one of half of

@@ -20,10 +20,12 @@ from multirep.interval import Interval
 from multirep.representations.nurbs.changes import difference
 from multirep.representations.nurbs.fitting import Breakpoints
 from multirep.representations.nurbs.problem import Course, Problem
+from multirep.representations.polyline.sampling import _corners
+from multirep.representations.polyline.simplification import simplify
 from multirep.representations.wavelet import attempt, prediction
-from multirep.representations.wavelet.dyadic import level_counts
+from multirep.representations.wavelet.dyadic import halves, level_counts
 from multirep.representations.wavelet.target import Target
-from multirep.sampled import SampledSplice
+from multirep.sampled import SampledSplice, interpolate
 from multirep.splines import compiled, evaluate, sampling
 from multirep.splines.arrays import Array
 from multirep.splines.basis import basis_functions, find_spans
@@ -384,6 +386,58 @@ def test_levels_are_counted_alike(numerators: list[int]) -> None:
     """Coarse dyadic numbers and the finest."""
     u = np.concatenate((np.array(numerators, dtype=float) / 2**20, [2.0**-46, 0.0, 1.0]))
     fast, pure = both(lambda: level_counts(u))
+    assert same(fast, pure)
+
+
+@given(
+    st.lists(
+        st.tuples(st.integers(0, 2**10), st.integers(1, 2**12)).map(lambda k: k[0] / k[1] % 1.0),
+        min_size=1,
+        max_size=20,
+    )
+)
+def test_spans_are_halved_alike(ends: list[float]) -> None:
+    """Dyadic spans or not, to the bit."""
+    u = np.unique([0.0, *ends, 1.0])
+    fast, pure = both(lambda: halves(u[:-1], u[1:]))
+    assert same(fast, pure)
+
+
+@st.composite
+def polylines(draw: st.DrawFn) -> Line:
+    """Draw straight and rough stretches, short segments and long ones."""
+    rng = np.random.default_rng(draw(seeds))
+    count, d = draw(st.integers(2, 40)), draw(st.integers(1, 3))
+    steps = rng.choice([1.0, 2.0**-10, 2.0**-30], count)
+    moves = rng.integers(-1, 2, (count, d)) * (rng.random((count, 1)) < draw(st.floats(0, 1)))
+    t = np.cumsum(steps)
+    return Line(t, np.cumsum(moves, axis=0) + t[:, None])
+
+
+@given(polylines(), seeds)
+def test_polylines_are_looked_at_alike(line: Line, seed: int) -> None:
+    """Points at parameters in any order, at vertices and beyond the ends; kinks."""
+    rng = np.random.default_rng(seed)
+    at = np.concatenate((line.t, rng.uniform(line.t[0] - 1, line.t[-1] + 1, 30)))
+    rng.shuffle(at)
+    for parameters_ in (at, at.reshape(2, -1) if len(at) % 2 == 0 else at, at[0]):
+        fast, pure = both(lambda at=parameters_: interpolate(*line, at))
+        assert same(fast, pure)
+    for tolerance in (0.0, 1e-9, 1e-2):
+        fast, pure = both(lambda tolerance=tolerance: _corners(*line, tolerance))
+        assert same(fast, pure)
+
+
+@given(polylines(), seeds, st.sampled_from([0.0, 1e-9, 0.1, 1.0, 10.0]))
+def test_the_same_samples_are_dropped(line: Line, seed: int, allowed: float) -> None:
+    """Round by round, with samples that must stay and ends that are pinned elsewhere."""
+    rng = np.random.default_rng(seed)
+    count = len(line.t)
+    limits = allowed * rng.integers(0, 3, count)
+    keep = rng.random(count) < 0.1
+    moved = line.points.copy()
+    moved[[0, -1]] += 0.05
+    fast, pure = both(lambda: simplify(line.t, moved, line.points, limits, keep))
     assert same(fast, pure)
 
 
