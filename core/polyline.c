@@ -4,6 +4,19 @@
 #include <math.h>
 #include <string.h>
 
+/* A list of numbers, for few of them. */
+static PyObject *numbers(Call *call, const double *at, Index count)
+{
+    PyObject *list = call->failed ? NULL : PyList_New(0);
+    call->failed |= !list;
+    for (Index i = 0; !call->failed && i < count; i++) {
+        PyObject *number = PyFloat_FromDouble(at[i]);
+        call->failed |= !number || PyList_Append(list, number) < 0;
+        Py_XDECREF(number);
+    }
+    return list;
+}
+
 METHOD(core_interpolate)
 {
     /* t (m,), points (m, d), parameters, points there (.., d); at a vertex the vertex itself */
@@ -52,8 +65,8 @@ METHOD(core_kinks)
     double limit = real(&call, values[2]);
     Index d = points.columns;
     expect(&call, points.rows == t.rows && t.columns == 1, "each vertex needs a parameter");
-    PyObject *found = call.failed ? NULL : PyList_New(0);
-    call.failed |= !found;
+    double *kinks = scratch(&call, t.rows);
+    Index found = 0;
     for (Index i = 1; !call.failed && i + 1 < t.rows; i++) {
         double before = t.at[i] - t.at[i - 1], after = t.at[i + 1] - t.at[i], square = 0.0;
         /* without dividing by a length alone: slopes of tiny segments overflow */
@@ -64,13 +77,10 @@ METHOD(core_kinks)
                           (here[c] - here[c - d]) * (shorter / before);
             square += jump * jump;
         }
-        if (sqrt(square) > limit) {
-            PyObject *number = PyFloat_FromDouble(t.at[i]);
-            call.failed |= !number || PyList_Append(found, number) < 0;
-            Py_XDECREF(number);
-        }
+        if (sqrt(square) > limit)
+            kinks[found++] = t.at[i];
     }
-    return finish(&call, found);
+    return finish(&call, numbers(&call, kinks, found));
 }
 
 /* Whether the chord between two samples is within the allowance of every sample between. */
@@ -153,4 +163,123 @@ METHOD(core_simplify)
         chosen = written;
     }
     return finish(&call, bytes_of(kept, chosen * (Index)sizeof(Index)));
+}
+
+METHOD(core_heights)
+{
+    /* t (m + 1,), points (m + 1, d), allowance (m,), heights (m - 1,): how far each inner vertex
+    stands from the line between its neighbours, over what both chords allow; returns the largest */
+    Call call;
+    begin(&call, count, 4);
+    if (call.failed)
+        return finish(&call, NULL);
+    Table t = reals(&call, values[0]), points = reals(&call, values[1]);
+    Table allowance = reals(&call, values[2]), heights = output(&call, values[3]);
+    Index d = points.columns, m = allowance.rows;
+    expect(&call,
+           m >= 1 && t.rows == m + 1 && points.rows == m + 1 && heights.rows == m - 1,
+           "each chord needs an allowance, each inner vertex a place for its height");
+    double highest = 0.0;
+    for (Index i = 0; !call.failed && i + 1 < m; i++) {
+        const double *row = points.at + i * d;
+        double share = (t.at[i + 1] - t.at[i]) / (t.at[i + 2] - t.at[i]), square = 0.0;
+        for (Index c = 0; c < d; c++) {
+            double off = (row[c + 2 * d] - row[c]) * share + row[c] - row[c + d];
+            square += off * off;
+        }
+        double height = sqrt(square) / smaller(allowance.at[i], allowance.at[i + 1]);
+        heights.at[i] = height;
+        highest = larger(height, highest);
+    }
+    return finish(&call, PyFloat_FromDouble(highest));
+}
+
+METHOD(core_target)
+{
+    /* t (m + 1,), points (m + 1, d), allowances (m,), two factors, points about the first one
+    (d, m + 1), slopes (d, m); returns parameters of corners, and how near their knots must be. See
+    multirep.representations.wavelet.target. */
+    Call call;
+    begin(&call, count, 7);
+    if (call.failed)
+        return finish(&call, NULL);
+    Table t = reals(&call, values[0]), points = reals(&call, values[1]);
+    Table allowances = reals(&call, values[2]);
+    double sharpness = real(&call, values[3]), share = real(&call, values[4]);
+    Table about = output(&call, values[5]), slopes = output(&call, values[6]);
+    Index d = points.columns, m = allowances.rows, found = 0;
+    expect(&call,
+           m >= 1 && t.rows == m + 1 && points.rows == m + 1 && about.rows == d &&
+               about.columns == m + 1 && slopes.rows == d && slopes.columns == m,
+           "each chord needs an allowance and a slope");
+    double *corners = scratch(&call, m), *widths = scratch(&call, m);
+    if (call.failed)
+        return finish(&call, NULL);
+    for (Index c = 0; c < d; c++) {
+        double *row = about.at + c * (m + 1), *slope = slopes.at + c * m;
+        for (Index i = 0; i <= m; i++)
+            row[i] = points.at[i * d + c] - points.at[c];
+        for (Index i = 0; i < m; i++)
+            slope[i] = (row[i + 1] - row[i]) / (t.at[i + 1] - t.at[i]);
+    }
+    for (Index i = 0; i + 1 < m; i++) {
+        double turn = 0.0;
+        for (Index c = 0; c < d; c++) {
+            double jump = slopes.at[c * m + i + 1] - slopes.at[c * m + i];
+            turn += jump * jump;
+        }
+        double sharp = sqrt(turn), room = smaller(allowances.at[i + 1], allowances.at[i]);
+        if (sharp * smaller(t.at[i + 2] - t.at[i + 1], t.at[i + 1] - t.at[i]) > room * sharpness) {
+            corners[found] = t.at[i + 1];
+            widths[found++] = room * (share / sharp);
+        }
+    }
+    PyObject *first = numbers(&call, corners, found), *second = numbers(&call, widths, found);
+    return finish(&call, pair_of(&call, first, second));
+}
+
+METHOD(core_between_common)
+{
+    /* t, points, t and points of another polyline; returns the stretches between common vertices
+    that are not one segment in both, ends of the arrays counted as vertices */
+    Call call;
+    begin(&call, count, 4);
+    if (call.failed)
+        return finish(&call, NULL);
+    Table t = reals(&call, values[0]), points = reals(&call, values[1]);
+    Table other_t = reals(&call, values[2]), other_points = reals(&call, values[3]);
+    Index d = points.columns, last = other_t.rows - 1, before = -1, other_before = -1, at = 0;
+    expect(&call,
+           t.rows >= 1 && last >= 0 && points.rows == t.rows && other_points.rows == last + 1 &&
+               other_points.columns == d,
+           "each vertex needs a parameter");
+    PyObject *found = call.failed ? NULL : PyList_New(0);
+    call.failed |= !found;
+    for (Index i = 0; !call.failed && i <= t.rows; i++) {
+        int ending = i == t.rows;
+        if (!ending) {
+            while (at < last && other_t.at[at] < t.at[i])
+                at++;
+            if (other_t.at[at] != t.at[i])
+                continue;
+            const double *mine = points.at + i * d, *theirs = other_points.at + at * d;
+            Index c = 0;
+            while (c < d && mine[c] == theirs[c])
+                c++;
+            if (c < d)
+                continue;
+        }
+        /* Broken unless the vertices follow each other in both, or are both at an end. */
+        int whole = ending ? before == t.rows - 1 && other_before == last
+                           : i - before <= 1 && at - other_before <= 1;
+        if (!whole) {
+            double start = before < 0 ? t.at[0] : t.at[before];
+            PyObject *pair = Py_BuildValue("dd", start, t.at[ending ? i - 1 : i]);
+            call.failed |= !pair || PyList_Append(found, pair) < 0;
+            Py_XDECREF(pair);
+        }
+        before = i;
+        other_before = at;
+    }
+    return finish(&call, found);
 }

@@ -9,6 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from multirep.splines import compiled
 from multirep.splines.arrays import Array, IntArray
 
 __all__ = ["Pieces", "Stretch", "cut_pieces", "cut_stretch"]
@@ -83,6 +84,12 @@ def cut_stretch(
     knots: Array, coefficients: Array, degree: int, start: float, stop: float, rational: bool
 ) -> Stretch:
     """Cut out what a spline depends on between ``start < stop``."""
+    if compiled.active:
+        first, last, grid, cells = compiled.core.cells(knots, degree, start, stop)
+        window = knots[first - degree : last + degree + 2]
+        rows = coefficients[first - degree : last + 1]
+        found = np.frombuffer(grid), np.frombuffer(cells, dtype=np.intp)
+        return Stretch(window, rows, degree, rational, *found)
     count = len(knots) - degree - 1
     low, high = max(start, float(knots[degree])), min(stop, float(knots[count]))
     first = int(knots.searchsorted(low, "right")) - 1
@@ -121,6 +128,8 @@ def rounding(stretch: Stretch, points: Array) -> Array | float:
     """
     coefficients, degree = stretch.coefficients, stretch.degree
     unit = (8 * degree + 16) * EPS * float(np.sqrt(points.shape[1]))
+    if compiled.active and not stretch.rational:
+        return unit * compiled.core.largest(coefficients, False, points)
     if not stretch.rational:
         return unit * max(float(np.abs(coefficients).max()), float(np.abs(points).max()))
     weights = coefficients[:, -1]

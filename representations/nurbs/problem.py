@@ -58,6 +58,10 @@ class Course(NamedTuple):
         """Make a course of a polyline and what is allowed on each chord."""
         tightest = float(allowance.min())
         uniform = tightest == float(allowance.max())
+        if compiled.active:
+            heights = np.empty(len(t) - 2)
+            if compiled.core.heights(t, points, allowance, heights) <= KINK_HEIGHT:
+                return cls(t, points, allowance, tightest, uniform, heights, t, points)
         share = (t[1:-1] - t[:-2]) / (t[2:] - t[:-2])
         off = points[2:] - points[:-2]
         off *= share[:, None]

@@ -9,6 +9,7 @@ import numpy as np
 from multirep.arrays import Array
 from multirep.blocks import BLOCK_ROWS, BlockArray
 from multirep.splices import SpliceList
+from multirep.splines import compiled
 
 #: Rows between the first and the last difference that are simply compared, shared blocks or not.
 NARROW = 4 * BLOCK_ROWS
@@ -53,6 +54,8 @@ def _between_common(
     The rows at either end bound the stretches, whether or not they are common: at an end of T
     nothing lies beyond.
     """
+    if compiled.active:
+        return compiled.core.between_common(t, points, other_t, other_points)
     position = np.minimum(other_t.searchsorted(t), len(other_t) - 1)
     same = (other_t[position] == t) & (other_points[position] == points).all(axis=1)
     mine = np.flatnonzero(same)

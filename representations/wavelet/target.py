@@ -56,6 +56,14 @@ class Target(NamedTuple):
     def along(cls, t: Array, rows: Array, allowances: Array) -> Target:
         """Prepare a polyline, (m + 1,) and (m + 1, d), with what is allowed on each chord, (m,)."""
         origin = rows[0]
+        if compiled.active:
+            count, dimension = rows.shape
+            points, slopes = np.empty((dimension, count)), np.empty((dimension, count - 1))
+            corners, reach = compiled.core.target(
+                t, rows, allowances, _CORNER, _WIDTH, points, slopes
+            )
+            ends = np.array(corners), np.array(reach)
+            return cls(t, points, slopes, allowances, origin, *ends)
         points = np.ascontiguousarray((rows - origin).T)
         lengths = t[1:] - t[:-1]
         slopes = (points[:, 1:] - points[:, :-1]) / lengths

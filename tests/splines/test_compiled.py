@@ -20,6 +20,7 @@ from multirep.interval import Interval
 from multirep.representations.nurbs.changes import difference
 from multirep.representations.nurbs.fitting import Breakpoints
 from multirep.representations.nurbs.problem import Course, Problem
+from multirep.representations.polyline.differences import _between_common
 from multirep.representations.polyline.sampling import _corners
 from multirep.representations.polyline.simplification import simplify
 from multirep.representations.wavelet import attempt, prediction
@@ -32,7 +33,7 @@ from multirep.splines.basis import basis_functions, find_spans
 from multirep.splines.curvature import second_derivative_coefficients
 from multirep.splines.deviation import spline_chord_deviation
 from multirep.splines.least_squares import polyline_rows, solve_window
-from multirep.splines.pieces import cut_stretch
+from multirep.splines.pieces import cut_stretch, rounding
 from multirep.splines.polar import blossom
 
 R = TypeVar("R")
@@ -426,6 +427,50 @@ def test_polylines_are_looked_at_alike(line: Line, seed: int) -> None:
     for tolerance in (0.0, 1e-9, 1e-2):
         fast, pure = both(lambda tolerance=tolerance: _corners(*line, tolerance))
         assert same(fast, pure)
+
+
+@given(polylines(), st.integers(1, 8))
+def test_courses_and_targets_are_the_same(line: Line, eighths: int) -> None:
+    """Heights of vertices, slopes of chords, corners and how near their knots must be."""
+    allowance = np.full(len(line.t) - 1, 0.125)
+    allowance[::3] *= eighths
+    fast, pure = both(lambda: Course.of(*line, allowance))
+    for one, two in zip(fast, pure, strict=True):
+        assert np.abs(np.subtract(one, two, dtype=float)).max(initial=0.0) <= 1e-12
+    sampled = SampledSplice(*line)
+    for tolerance in (1e-9, 1.0):
+        fast, pure = both(lambda tolerance=tolerance: Target.of(sampled, tolerance))
+        for one, two in zip(fast[:5], pure[:5], strict=True):
+            assert same(one, two)
+        assert same(fast.corners, pure.corners)
+        assert np.abs(fast.widths - pure.widths).max(initial=0.0) <= 1e-12
+
+
+@given(polylines(), seeds)
+def test_common_vertices_are_the_same(line: Line, seed: int) -> None:
+    """Vertices moved, taken out, all of them others."""
+    rng = np.random.default_rng(seed)
+    for share in (0.0, 0.2, 1.0):
+        t, points = line.t.copy(), line.points.copy()
+        t += 2.0**-40 * (rng.random(len(t)) < share)
+        points[rng.random(len(t)) < share] += 1.0
+        left = rng.random(len(t)) >= share
+        left[0] = True
+        fast, pure = both(lambda t=t[left], points=points[left]: _between_common(*line, t, points))
+        assert fast == pure
+
+
+@given(splines(), st.floats(0, 1), st.floats(0, 1))
+def test_stretches_are_cut_alike(spline: Spline, a: float, b: float) -> None:
+    """Views, breaks and cells, and the rounding that goes with them."""
+    assume(a != b)
+    start, stop = min(a, b) * spline.knots[-1], max(a, b) * spline.knots[-1]
+    fast, pure = both(lambda: cut_stretch(*spline[:3], start, stop, spline.rational))
+    for k in (0, 1, 4, 5):
+        assert same(np.asarray(fast[k]), np.ascontiguousarray(pure[k]))
+    points = np.full((1, spline.coefficients.shape[1] - spline.rational), 0.5)
+    found = both(lambda: rounding(pure, points))
+    assert same(*map(np.asarray, found))
 
 
 @given(polylines(), seeds, st.sampled_from([0.0, 1e-9, 0.1, 1.0, 10.0]))
