@@ -168,7 +168,7 @@ METHOD(core_simplify)
 METHOD(core_heights)
 {
     /* t (m + 1,), points (m + 1, d), allowance (m,), heights (m - 1,): how far each inner vertex
-    stands from the line between its neighbours, over what both chords allow; returns the largest */
+    stands from the line between its neighbours, over what both chords allow */
     Call call;
     begin(&call, count, 4);
     if (call.failed)
@@ -179,7 +179,6 @@ METHOD(core_heights)
     expect(&call,
            m >= 1 && t.rows == m + 1 && points.rows == m + 1 && heights.rows == m - 1,
            "each chord needs an allowance, each inner vertex a place for its height");
-    double highest = 0.0;
     for (Index i = 0; !call.failed && i + 1 < m; i++) {
         const double *row = points.at + i * d;
         double share = (t.at[i + 1] - t.at[i]) / (t.at[i + 2] - t.at[i]), square = 0.0;
@@ -187,11 +186,9 @@ METHOD(core_heights)
             double off = (row[c + 2 * d] - row[c]) * share + row[c] - row[c + d];
             square += off * off;
         }
-        double height = sqrt(square) / smaller(allowance.at[i], allowance.at[i + 1]);
-        heights.at[i] = height;
-        highest = larger(height, highest);
+        heights.at[i] = sqrt(square) / smaller(allowance.at[i], allowance.at[i + 1]);
     }
-    return finish(&call, PyFloat_FromDouble(highest));
+    return finish(&call, Py_NewRef(Py_None));
 }
 
 METHOD(core_target)

@@ -58,17 +58,7 @@ class Course(NamedTuple):
         """Make a course of a polyline and what is allowed on each chord."""
         tightest = float(allowance.min())
         uniform = tightest == float(allowance.max())
-        if compiled.active:
-            heights = np.empty(len(t) - 2)
-            if compiled.core.heights(t, points, allowance, heights) <= KINK_HEIGHT:
-                return cls(t, points, allowance, tightest, uniform, heights, t, points)
-        share = (t[1:-1] - t[:-2]) / (t[2:] - t[:-2])
-        off = points[2:] - points[:-2]
-        off *= share[:, None]
-        off += points[:-2]
-        off -= points[1:-1]
-        heights = np.sqrt(np.einsum("md,md->m", off, off))
-        heights /= tightest if uniform else np.minimum(allowance[:-1], allowance[1:])
+        heights = _heights(t, points, allowance)
         row_t, row_points = t, points
         kinked = heights > KINK_HEIGHT
         if kinked.any():
@@ -98,6 +88,22 @@ class Course(NamedTuple):
         right = np.minimum(self.t.searchsorted(at, "right") - 1, last)
         left = np.maximum(self.t.searchsorted(at, "left") - 1, 0)
         return np.minimum(self.allowance.take(left), self.allowance.take(right))
+
+
+def _heights(t: Array, points: Array, allowance: Array) -> Array:
+    """How far each inner vertex stands out, (m - 1,); see `Course`."""
+    if compiled.active:
+        found = np.empty(len(t) - 2)
+        compiled.core.heights(t, points, allowance, found)
+        return found
+    share = (t[1:-1] - t[:-2]) / (t[2:] - t[:-2])
+    off = points[2:] - points[:-2]
+    off *= share[:, None]
+    off += points[:-2]
+    off -= points[1:-1]
+    heights: Array = np.sqrt(np.einsum("md,md->m", off, off))
+    heights /= np.minimum(allowance[:-1], allowance[1:])
+    return heights
 
 
 class Breakpoints(NamedTuple):
