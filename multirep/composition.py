@@ -10,8 +10,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from time import perf_counter_ns
 
-import numpy as np
-
 from multirep.events import Event, Sampled
 from multirep.interval import Interval
 from multirep.representation import Representation
@@ -83,8 +81,10 @@ def _short_end(
     """Sample the chord at a fixed end finely if the gap there leaves no room for its sagitta."""
     bounds = chord_bounds(piece)
     end = 0 if first else -1
-    gap = float(np.linalg.norm(outside(float(piece.t[end])) - piece.points[end]))
-    if bounds[end] <= SHORT_FIRST_CHORDS * tolerance or gap <= tolerance:
+    if bounds[end] <= SHORT_FIRST_CHORDS * tolerance:
+        return piece
+    off = outside(float(piece.t[end])) - piece.points[end]
+    if float(off @ off) <= tolerance**2:
         return piece
     chord = Interval(*(piece.t[:2] if first else piece.t[-2:]).tolist())
     fine = sample(author, chord, tolerance=SHORT_FIRST_CHORDS * tolerance)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import attrs
 import numpy as np
 
@@ -65,6 +67,28 @@ class SampledSplice:
         if self.chord_bounds is not None:
             self._check_chord_bounds(self.chord_bounds)
 
+    @classmethod
+    def unchecked(
+        cls,
+        t: Array,
+        points: Array,
+        bound: float = 0.0,
+        breaks: tuple[float, ...] = (),
+        chord_bounds: Array | None = None,
+    ) -> SampledSplice:
+        """Make one of arrays that are right by construction, and the maker's to give away.
+
+        They are frozen, not copied; for makers in a hot path.
+        """
+        new = cls.__new__(cls)
+        t.setflags(write=False)
+        points.setflags(write=False)
+        if chord_bounds is not None:
+            chord_bounds.setflags(write=False)
+        for field, value in zip(_FIELDS, (t, points, bound, breaks, chord_bounds), strict=True):
+            object.__setattr__(new, field, value)
+        return new
+
     def _check_chord_bounds(self, bounds: Array) -> None:
         if bounds.shape != (len(self.t) - 1,):
             raise InvalidCurveError(
@@ -105,13 +129,16 @@ class SampledSplice:
         """Return the chords between samples ``first`` and ``last``, which both stay."""
         start, stop = float(self.t[first]), float(self.t[last])
         bounds = None if self.chord_bounds is None else self.chord_bounds[first:last]
-        return SampledSplice(
+        return SampledSplice.unchecked(
             self.t[first : last + 1],
             self.points[first : last + 1],
             bound=self.bound if bounds is None else float(bounds.max()),
             breaks=tuple(t for t in self.breaks if start <= t <= stop),
             chord_bounds=bounds,
         )
+
+
+_FIELDS = tuple(field.name for field in attrs.fields(SampledSplice))
 
 
 def join(pieces: list[SampledSplice]) -> SampledSplice:
@@ -127,13 +154,14 @@ def join(pieces: list[SampledSplice]) -> SampledSplice:
     for k in range(len(pieces) - 1):
         left, right = points[k][-1], points[k + 1][0]
         middle = 0.5 * (left + right)
-        half = 0.5 * float(np.linalg.norm(right - left))
+        gap = right - left
+        half = 0.5 * math.sqrt(float(gap @ gap))
         points[k] = np.concatenate([points[k][:-1], middle[None]])
         points[k + 1] = np.concatenate([middle[None], points[k + 1][1:]])
         bounds[k][-1] += half
         bounds[k + 1][0] += half
     joined = np.concatenate(bounds)
-    return SampledSplice(
+    return SampledSplice.unchecked(
         np.concatenate([pieces[0].t, *(piece.t[1:] for piece in pieces[1:])]),
         np.concatenate([points[0], *(rows[1:] for rows in points[1:])]),
         bound=float(joined.max()),

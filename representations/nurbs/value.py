@@ -223,11 +223,11 @@ class NurbsValue(Representation):
             raise ToleranceError(str(error), tolerance=tolerance) from None
         full = knots[: len(knots) - self.degree + 1]
         full = full[(full == knots[self.degree - 1 :]) & (full > start) & (full < stop)]
-        return SampledSplice(
+        return SampledSplice.unchecked(
             t,
             found,
             bound=float(bounds.max()),
-            breaks=tuple(np.unique(full).tolist()),
+            breaks=tuple(np.unique(full).tolist()) if len(full) else (),
             chord_bounds=bounds,
         )
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from multirep.arrays import Array
@@ -37,14 +39,14 @@ def sample_stretch(
     corners = [c for c in _corners(all_t, all_points, tolerance).tolist() if a <= c <= b]
     if all_t[first - 1] == a and all_t[last] == b:  # ends at vertices: nothing is even copied
         rows = slice(first - 1, last + 1)
-        return SampledSplice(all_t[rows], all_points[rows], 0.0, tuple(corners))
+        return SampledSplice.unchecked(all_t[rows], all_points[rows], 0.0, tuple(corners))
     ends = interpolate(all_t, all_points, np.array([a, b]))
     bound = 0.0
     for k, end, at in ((first, 0, a), (last, 1, b)):
         if all_t[k - 1] != at and all_t[k] != at:
             rounding = 5 * np.abs(all_points[k] - all_points[k - 1]) + np.abs(ends[end])
-            bound = max(bound, UNIT * float(np.linalg.norm(rounding)))
-    return SampledSplice(
+            bound = max(bound, UNIT * math.sqrt(float(rounding @ rounding)))
+    return SampledSplice.unchecked(
         np.concatenate([[a], all_t[first:last], [b]]),
         np.concatenate([ends[:1], all_points[first:last], ends[1:]]),
         bound,

@@ -174,7 +174,7 @@ class WaveletBSpline(Representation):
             t, points, bounds = sample_spline(*window, 3, start, stop, tolerance=tolerance)
         except ValueError as error:
             raise ToleranceError(str(error), tolerance=tolerance) from None
-        return SampledSplice(t, points, bound=float(bounds.max()), chord_bounds=bounds)
+        return SampledSplice.unchecked(t, points, bound=float(bounds.max()), chord_bounds=bounds)
 
     def nearest(self, point: ArrayLike) -> Nearest:
         """Return the nearest place, or those of many points; see `Representation.nearest`."""
