@@ -73,22 +73,24 @@ class State:
 
     def with_held(self, name: str, held: Held) -> State:
         """Return the state with another value of one kind."""
+        return self._with({**self.held, name: held}, self.looks)
+
+    def looked(self, kind: str, where: SpliceList | None) -> State:
+        """Return the state that remembers one more look."""
+        return self._with(self.held, (*self.looks, Look(kind, where)))
+
+    def _with(self, held: Mapping[str, Held], looks: tuple[Look, ...]) -> State:
         # not attrs.evolve, which takes ten times as long: this is part of every step of a drag
-        held_now = {**self.held, name: held}
         return State(
             self.tolerance,
-            held_now,
+            held,
             self.authors,
             self.claims,
             self.frozen,
             self.added,
             self.preparations,
-            self.looks,
+            looks,
         )
-
-    def looked(self, kind: str, where: SpliceList | None) -> State:
-        """Return the state that remembers one more look."""
-        return attrs.evolve(self, looks=(*self.looks, Look(kind, where)))
 
     def author_value(self, name: str) -> Representation:
         """Return the value of a kind that is the author somewhere."""

@@ -255,6 +255,8 @@ def _splice_in(
 def _room(state: State, name: str, stale: SpliceList, job: Interval) -> Interval:
     """How far a splice may reach: not into what ``name`` authored, another stale stretch or ice."""
     room = state.authors.room(job, name)
+    if len(stale) == 1 and not state.frozen:
+        return room
     others = (stale | state.frozen) - SpliceList([job])
     for other in others & SpliceList([room]):
         if other.stop <= job.start:
