@@ -484,8 +484,8 @@ def test_common_vertices_are_the_same(line: Line, seed: int) -> None:
 @given(splines(), st.floats(0, 1), st.floats(0, 1))
 def test_stretches_are_cut_alike(spline: Spline, a: float, b: float) -> None:
     """Views, breaks and cells, and the rounding that goes with them."""
-    assume(a != b)
     start, stop = min(a, b) * spline.knots[-1], max(a, b) * spline.knots[-1]
+    assume(start < stop)
     fast, pure = both(lambda: cut_stretch(*spline[:3], start, stop, spline.rational))
     for k in (0, 1, 4, 5):
         assert same(np.asarray(fast[k]), np.ascontiguousarray(pure[k]))
