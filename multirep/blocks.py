@@ -111,6 +111,8 @@ class BlockArray(NDArrayOperatorsMixin):
             0 <= start <= stop <= n; not checked.
         """
         blocks, ends = self._blocks, self._ends
+        if ends and stop <= ends[0]:
+            return blocks[0][start:stop]
         k = bisect_right(ends, start)
         if k == len(blocks):
             return _EMPTY.reshape((0, *self._tail)) if self._tail else _EMPTY
@@ -183,6 +185,8 @@ class BlockArray(NDArrayOperatorsMixin):
     def searchsorted(self, value: float, side: str = "left") -> int:
         """Index that keeps a sorted (n,) array sorted, as numpy's; O(log n), no flat copy."""
         blocks = self._blocks
+        if len(blocks) == 1:
+            return int(blocks[0].searchsorted(value, side="right" if side == "right" else "left"))
         low, high = 0, len(blocks)
         while low < high:  # the first block whose last value is not before `value`
             middle = (low + high) // 2
@@ -213,6 +217,10 @@ class BlockArray(NDArrayOperatorsMixin):
         blocks, ends = self._blocks, self._ends
         if not blocks:
             return BlockArray(_cut(frozen_array(new)), self._tail)
+        if len(blocks) == 1 and 0 < len(new) <= BLOCK_ROWS - ends[0]:
+            joined = np.concatenate((blocks[0][:start], new, blocks[0][stop:]))
+            joined.setflags(write=False)
+            return BlockArray._of((joined,), (len(joined),), self._tail)
         first = min(bisect_right(ends, start), len(blocks) - 1)
         last = min(bisect_left(ends, max(stop, start + 1)), len(blocks) - 1)
         before = ends[first - 1] if first else 0
@@ -244,6 +252,9 @@ class BlockArray(NDArrayOperatorsMixin):
         share are not looked into: O(changed + blocks).
         """
         mine, theirs = self._blocks, other._blocks
+        if len(mine) == len(theirs) == 1 and mine[0] is not theirs[0]:
+            head, end = _common(mine[0], theirs[0])
+            return head, len(mine[0]) - end, len(theirs[0]) - end
         limit = min(len(mine), len(theirs))
         i = _shared(mine, theirs, limit)
         j = _shared(reversed(mine), reversed(theirs), limit - i)

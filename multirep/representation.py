@@ -180,7 +180,11 @@ class Representation(abc.ABC):
 
     @property
     def magnitude(self) -> float:
-        """An upper bound of the largest |coordinate|; rounding errors are relative to it."""
+        """An upper bound of the largest |coordinate|; rounding errors are relative to it.
+
+        Whoever overrides it vouches for all coordinates: it must be NaN or infinite if one of them
+        is.
+        """
         ends = np.asarray(self([self.domain.start, self.domain.stop]))
         return float(np.abs(ends).max())
 

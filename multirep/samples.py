@@ -80,7 +80,7 @@ class RecentSamples:
             if old.interval == stretch:
                 return old
         for old in near:
-            common = old.interval.intersection(stretch)
+            common = old.interval.intersection(stretch) if len(old.t) > FEWEST else None
             if common is not None and common.length >= MOST * stretch.length:
                 piece = self._continued(author, old, stretch, tolerance)
                 break

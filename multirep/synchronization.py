@@ -9,6 +9,7 @@ in more of the neighbourhood.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator
 from time import perf_counter_ns
 
@@ -48,6 +49,8 @@ REACHES = (1.0, 1.0, 4.0, 32.0, 1024.0)
 #: Smallest tolerance in terms of the largest coordinate: sampling ends at 1/1024 of it, where the
 #: rounding terms of the certificates (about 64 ulp) must still vanish.
 SMALLEST_TOLERANCE = 2.0**-36
+#: Where in each splice a kind that does not bound its coordinates is looked at for finite ones.
+LOOKS = (0.0, 0.25, 0.5, 0.75, 1.0)
 
 
 def hop(tolerance: float) -> float:
@@ -307,13 +310,11 @@ def check_edit(before: Representation, edit: Edit[Representation], plugin: str) 
         raise PluginError(
             f"{plugin!r} reports splices {edit.splices} outside the domain {before.domain}", plugin
         )
-    finite = bool(np.isfinite(after.magnitude))
-    if finite and edit.splices:
-        # whoever bounds its coordinates has vouched for all of them
-        vouched = type(after).magnitude is not Representation.magnitude
-        looks = [0.5] if vouched else [0.0, 0.25, 0.5, 0.75, 1.0]
-        at = [min(a + look * (b - a), b) for a, b in edit.splices for look in looks]
-        finite = bool(np.isfinite(after(at if len(at) > 1 else at[0])).all())
+    finite = math.isfinite(after.magnitude)
+    if finite and edit.splices and type(after).magnitude is Representation.magnitude:
+        # nobody vouched for all coordinates
+        looks = [min(a + look * (b - a), b) for a, b in edit.splices for look in LOOKS]
+        finite = bool(np.isfinite(after(looks)).all())
     if not finite:
         raise PluginError(f"{plugin!r} returned a curve with NaN or infinite coordinates", plugin)
     unreported = before.changes(after) - edit.splices

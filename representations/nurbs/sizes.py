@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import attrs
 
 from multirep.arrays import Array
@@ -54,4 +56,5 @@ class Sizes:
 
 
 def _size(block: Array) -> float:
-    return max(float(block.max()), -float(block.min()))
+    size = max(float(block.max()), -float(block.min()))
+    return size if math.isfinite(size) else math.inf  # NaN would get lost in comparisons

@@ -139,7 +139,8 @@ class Graded:
         O(window): blocks outside are shared. Fourfold end knots in ``u`` must be all or none of
         each.
         """
-        magnitude = max(self.magnitude, float(np.abs(rows).max(initial=0.0)))
+        largest = float(np.abs(rows).max(initial=0.0))
+        magnitude = self.magnitude if largest <= self.magnitude else largest  # NaN stays NaN
         changed = self.points.replaced(*points, rows)
         if not len(u) and knots[0] == knots[1]:
             return Graded(self.domain, self.u, changed, self.counts, magnitude)
