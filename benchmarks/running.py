@@ -12,6 +12,7 @@ from benchmarks.peers import PEERS
 from benchmarks.results import Cell, Entry, Results
 from benchmarks.timing import BUDGET, Stopwatch, copying, in_turns
 from benchmarks.workload import Absent, Case, Contestant, Counted, Timed, Workload
+from multirep.splines import compiled
 
 #: Seconds that one step of a peer may be expected to take; slower ones are left out.
 LIMIT = 45.0
@@ -119,6 +120,7 @@ def machine(copies: Sequence[float]) -> dict[str, str | float]:
         "processor": _processor(),
         "python": platform.python_version(),
     }
+    found["compiled core"] = "in use" if compiled.active else "left out"
     for name in ("numpy", "scipy", *PEERS.values()):
         try:
             found[name] = version(name)
