@@ -317,7 +317,13 @@ def check_edit(before: Representation, edit: Edit[Representation], plugin: str) 
         finite = bool(np.isfinite(after(looks)).all())
     if not finite:
         raise PluginError(f"{plugin!r} returned a curve with NaN or infinite coordinates", plugin)
-    unreported = before.changes(after) - edit.splices
+    changed = before.changes(after)
+    if not isinstance(changed, SpliceList):
+        raise PluginError(
+            f"{before.name!r}.changes must return a SpliceList, got {type(changed).__name__}",
+            before.name,
+        )
+    unreported = changed - edit.splices
     if unreported:
         raise UnreportedChangeError(
             f"{plugin!r} changed {unreported} without reporting it "
