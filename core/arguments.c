@@ -13,12 +13,26 @@ void begin(Call *call, Index count, Index expected)
     }
 }
 
+void drop(Call *call, int held, void *const *wanted, int count)
+{
+    int kept = held;
+    for (int i = held; i < call->held; i++) {
+        int stays = 0;
+        for (int k = 0; k < count; k++)
+            stays |= call->blocks[i] == wanted[k];
+        if (stays)
+            call->blocks[kept++] = call->blocks[i];
+        else
+            free(call->blocks[i]);
+    }
+    call->held = kept;
+}
+
 PyObject *finish(Call *call, PyObject *result)
 {
     while (call->opened)
         PyBuffer_Release(&call->views[--call->opened]);
-    while (call->held)
-        free(call->blocks[--call->held]);
+    drop(call, 0, NULL, 0);
     if (call->failed) {
         Py_XDECREF(result);
         return NULL;

@@ -58,6 +58,8 @@ double real(Call *call, PyObject *number);
 double *scratch(Call *call, Index count);
 Index *index_scratch(Call *call, Index count);
 void expect(Call *call, int condition, const char *otherwise);
+/* Free what was asked for since `held` blocks were, but for some of it. */
+void drop(Call *call, int held, void *const *wanted, int count);
 /* A new bytearray of numbers, to be read by numpy.frombuffer, and a pair of such. */
 PyObject *bytes_of(const void *numbers, Index size);
 PyObject *pair_of(Call *call, PyObject *first, PyObject *second);
@@ -91,6 +93,56 @@ void evaluate_piece(const Spline *spline, Index span, double t, double *rows);
 void bernstein_net(const Spline *spline, Index span, double start, double stop, double *net,
                    double *rows);
 
+/* -- deviation.c: proofs -------------------------------------------------------------------------- */
+
+/* A proof under way. */
+typedef struct {
+    Spline spline;
+    int rational, splits;
+    Index d;             /* dimension of points */
+    double unit;         /* rounding, but for the ratio of the weights of a cell */
+    Index cell;          /* the span that `slack` and `second` are about */
+    double slack;
+    double *second;      /* S'' at both ends of the cell, (2, d); of a quadratic both are equal */
+    double *rows, *net;  /* room for (p + 2) rows of all splits */
+    double *low, *high;  /* the line where a piece starts and stops, (d,) */
+} Proof;
+
+/* Chords in their order. Inscribed: they begin and end on the curve; else they are one polyline's. */
+typedef struct {
+    Index count;
+    const double *starts, *stops, *first, *last;
+    int inscribed;
+} Chords;
+
+double rounding_unit(const Spline *spline, int rational, double start, double stop,
+                     const Table *points, int tables);
+void second_derivatives(const Spline *spline, Index span, double *second);
+Proof proof_of(Call *call, Spline spline, int rational, int splits);
+void enter_cell(Proof *proof, Index span);
+/* Without limits all chords get the sharp bound, else those that a cheaper one leaves above theirs;
+one limit may serve all. */
+void prove_chords(Proof *proof, const Chords *chords, const double *limits, Index limited,
+                  double *bounds);
+
+/* -- density.c: how many chords a stretch needs --------------------------------------------------- */
+
+/* Nodes (cells + 1,) of a grid, how many chords each of its cells needs, and their sums (cells + 1,);
+where one looked last in the nodes and in the sums. */
+typedef struct {
+    Index cells, node, sum;
+    double *nodes, *shares, *sums;
+} Density;
+
+Density density_of(Call *call, const Spline *spline, int rational, double start, double stop,
+                   double target);
+Density corrected_density(Call *call, Density *density, Index chords, const double *t,
+                          const double *needs);
+/* The sum up to a parameter. */
+double sum_at(Density *density, double t);
+/* The starts of so many chords of equal shares between two sums; the first starts at `begin`. */
+void lay_out(Density *density, double begin, double from, double to, Index chords, double *t);
+
 /* -- banded.c: symmetric banded systems -------------------------------------------------------- */
 
 int solve_banded(double *band, double *right, Index count, Index bandwidth, Index columns,
@@ -106,9 +158,7 @@ METHOD(core_polyline_rows);
 METHOD(core_solve_window);
 METHOD(core_fit);
 METHOD(core_chord_bounds);
-METHOD(core_density);
-METHOD(core_lay_out);
-METHOD(core_corrected);
+METHOD(core_sample);
 METHOD(core_attempt);
 METHOD(core_follow);
 METHOD(core_predict);

@@ -9,27 +9,10 @@ added; both are the same here. A cell is a nonempty span, a piece the part of a 
 #include <math.h>
 #include <string.h>
 
-/* Cells per chord on which the density is constant, and the fewest and the most on a span; places
-where the density of a rational spline or of a high degree is looked at first. */
-enum { CELLS_PER_CHORD = 4, FEWEST_CELLS = 2, MOST_CELLS = 64, LOOKS = 3 };
-
-/* A proof under way. */
-typedef struct {
-    Spline spline;
-    int rational, splits;
-    Index d;             /* dimension of points */
-    double unit;         /* rounding, but for the ratio of the weights of a cell */
-    Index cell;          /* the span that `slack` and `second` are about */
-    double slack;
-    double *second;      /* S'' at both ends of the cell, (2, d); of a quadratic both are equal */
-    double *rows, *net;  /* room for (p + 2) rows of all splits */
-    double *low, *high;  /* the line where a piece starts and stops, (d,) */
-} Proof;
-
 /* (8 p + 16) units in the last place of the largest coordinate between two parameters, see
 `rounding` of pieces.py. */
-static double unit_of(const Spline *spline, int rational, double start, double stop,
-                      const Table *points, int tables)
+double rounding_unit(const Spline *spline, int rational, double start, double stop,
+                     const Table *points, int tables)
 {
     Index all = spline->dimension, d = all - rational;
     Index first = span_of(spline, start), last = span_of(spline, stop);
@@ -48,7 +31,7 @@ static double unit_of(const Spline *spline, int rational, double start, double s
 }
 
 /* S'' at the ends of a cell of degree 2 or 3: differences of differences of its control points. */
-static void second_derivatives(const Spline *spline, Index span, double *second)
+void second_derivatives(const Spline *spline, Index span, double *second)
 {
     Index p = spline->degree, d = spline->dimension;
     const double *local = local_knots(spline, span), *rows = local_rows(spline, span);
@@ -66,7 +49,7 @@ static void second_derivatives(const Spline *spline, Index span, double *second)
         memcpy(second + d, second, (size_t)d * sizeof(double));
 }
 
-static void enter(Proof *proof, Index span)
+void enter_cell(Proof *proof, Index span)
 {
     const Spline *spline = &proof->spline;
     if (span == proof->cell)
@@ -181,13 +164,81 @@ static double off(Proof *proof, Index span, double t, const double *line)
     return sqrt(sum);
 }
 
+Proof proof_of(Call *call, Spline spline, int rational, int splits)
+{
+    expect(call, spline.degree >= 1 && spline.dimension > rational && splits >= 0 && splits < 64,
+           "no such spline");
+    Index d = spline.dimension - rational, net = (spline.degree + 2) * spline.dimension;
+    Proof proof = {spline, rational, splits, d, 0.0, -1, 0.0, scratch(call, 2 * d),
+                   scratch(call, net * (splits + 1)), scratch(call, net), scratch(call, d),
+                   scratch(call, d)};
+    return proof;
+}
+
+void prove_chords(Proof *proof, const Chords *chords, const double *limits, Index limited,
+                  double *bounds)
+{
+    const Spline *spline = &proof->spline;
+    Index d = proof->d, span = spline->first;
+    int curved = !proof->rational && spline->degree <= 3, inscribed = chords->inscribed;
+    size_t point = (size_t)d * sizeof(double);
+    double after = 0.0;
+    for (Index chord = 0; chord < chords->count; chord++) {
+        double start = chords->starts[chord], stop = chords->stops[chord], largest = 0.0;
+        double limit = limited ? limits[limited > 1 ? chord : 0] : 0.0;
+        const double *first = chords->first + chord * d, *last = chords->last + chord * d;
+        span = walked(spline, span, start);
+        memcpy(proof->low, first, point);
+        double before = 0.0;
+        if (curved && limited && !inscribed)
+            before = chord > 0 && start == chords->stops[chord - 1]
+                         ? after
+                         : off(proof, span, start, first);
+        for (double from = start;;) {
+            int ending = span == spline->last || stop <= spline->knots[span + 1];
+            double to = ending ? stop : spline->knots[span + 1];
+            enter_cell(proof, span);
+            if (ending)
+                memcpy(proof->high, last, point);
+            else {
+                double share = (to - start) / (stop - start);
+                for (Index c = 0; c < d; c++)
+                    proof->high[c] = first[c] + share * (last[c] - first[c]);
+            }
+            double bound;
+            if (!limited)
+                bound = bernstein_bound(proof, span, from, to, proof->splits) + proof->slack;
+            else {
+                if (curved) {
+                    after = inscribed && ending ? 0.0 : off(proof, span, to, proof->high);
+                    bound = curvature_bound(proof, from, to, before, after);
+                } else
+                    bound = bernstein_bound(proof, span, from, to, 0);
+                bound += proof->slack;
+                if (!(bound <= limit)) {
+                    double sharper = bernstein_bound(proof, span, from, to, proof->splits);
+                    bound = smaller(bound, sharper + proof->slack);
+                }
+            }
+            if (!(bound <= largest))
+                largest = bound;
+            if (ending)
+                break;
+            memcpy(proof->low, proof->high, point);
+            before = after;
+            from = to;
+            do
+                span++;
+            while (span < spline->last && !(spline->knots[span + 1] > spline->knots[span]));
+        }
+        bounds[chord] = largest;
+    }
+}
+
 METHOD(core_chord_bounds)
 {
     /* knots, coefficients, degree, rational, starts, stops, points where chords start, points where
-    they stop, inscribed, splits, allowance (0,) or (1,) or (m,), bounds
-
-    Inscribed: chords begin and end on the curve; else they are those of one polyline. Without an
-    allowance all get the sharp bound, else those that a cheaper one does not bring below it. */
+    they stop, inscribed, splits, allowance (0,) or (1,) or (m,), bounds */
     Call call;
     begin(&call, count, 12);
     if (call.failed)
@@ -197,184 +248,20 @@ METHOD(core_chord_bounds)
     int rational = integer(&call, values[3]) != 0, inscribed = integer(&call, values[8]) != 0;
     Table starts = reals(&call, values[4]), stops = reals(&call, values[5]);
     Table ends[2] = {reals(&call, values[6]), reals(&call, values[7])};
-    int splits = (int)integer(&call, values[9]);
+    Proof proof = proof_of(&call, spline, rational, (int)integer(&call, values[9]));
     Table allowance = reals(&call, values[10]), bounds = output(&call, values[11]);
-    Index p = spline.degree, d = spline.dimension - rational, m = starts.rows;
-    expect(&call, p >= 1 && d >= 1 && splits >= 0 && splits < 64, "no such spline");
+    Index d = proof.d, m = starts.rows;
     expect(&call,
            stops.rows == m && ends[0].rows == m && ends[1].rows == m && bounds.rows == m &&
                ends[0].columns == d && ends[1].columns == d,
            "each chord needs two parameters and two points");
     expect(&call, allowance.rows <= 1 || allowance.rows == m, "each chord needs an allowance");
-    Index net = (p + 2) * spline.dimension;
-    Proof proof = {spline, rational, splits, d, 0.0, -1, 0.0, scratch(&call, 2 * d),
-                   scratch(&call, net * (splits + 1)), scratch(&call, net), scratch(&call, d),
-                   scratch(&call, d)};
-    if (call.failed)
-        return finish(&call, NULL);
-    if (m > 0)
-        proof.unit = unit_of(&spline, rational, starts.at[0], stops.at[m - 1], ends, 2);
-    int curved = !rational && p <= 3;
-    size_t point = (size_t)d * sizeof(double);
-    Index span = spline.first;
-    double after = 0.0;
-    for (Index chord = 0; chord < m; chord++) {
-        double start = starts.at[chord], stop = stops.at[chord], largest = 0.0;
-        double limit = allowance.rows ? allowance.at[allowance.rows > 1 ? chord : 0] : 0.0;
-        const double *first = ends[0].at + chord * d, *last = ends[1].at + chord * d;
-        span = walked(&spline, span, start);
-        memcpy(proof.low, first, point);
-        double before = 0.0;
-        if (curved && allowance.rows && !inscribed)
-            before = chord > 0 && start == stops.at[chord - 1] ? after
-                                                               : off(&proof, span, start, first);
-        for (double from = start;;) {
-            int ending = span == spline.last || stop <= spline.knots[span + 1];
-            double to = ending ? stop : spline.knots[span + 1];
-            enter(&proof, span);
-            if (ending)
-                memcpy(proof.high, last, point);
-            else {
-                double share = (to - start) / (stop - start);
-                for (Index c = 0; c < d; c++)
-                    proof.high[c] = first[c] + share * (last[c] - first[c]);
-            }
-            double bound;
-            if (!allowance.rows)
-                bound = bernstein_bound(&proof, span, from, to, splits) + proof.slack;
-            else {
-                if (curved) {
-                    after = inscribed && ending ? 0.0 : off(&proof, span, to, proof.high);
-                    bound = curvature_bound(&proof, from, to, before, after);
-                } else
-                    bound = bernstein_bound(&proof, span, from, to, 0);
-                bound += proof.slack;
-                if (!(bound <= limit)) {
-                    double sharper = bernstein_bound(&proof, span, from, to, splits);
-                    bound = smaller(bound, sharper + proof.slack);
-                }
-            }
-            if (!(bound <= largest))
-                largest = bound;
-            if (ending)
-                break;
-            memcpy(proof.low, proof.high, point);
-            before = after;
-            from = to;
-            do
-                span++;
-            while (span < spline.last && !(spline.knots[span + 1] > spline.knots[span]));
-        }
-        bounds.at[chord] = largest;
+    if (!call.failed && m > 0) {
+        Chords chords = {m, starts.at, stops.at, ends[0].at, ends[1].at, inscribed};
+        proof.unit = rounding_unit(&spline, rational, starts.at[0], stops.at[m - 1], ends, 2);
+        prove_chords(&proof, &chords, allowance.at, allowance.rows, bounds.at);
     }
     return finish(&call, Py_NewRef(Py_None));
-}
-
-/* ||R''|| on a cell; `rows` has room for p + 1 rows. */
-static double bending(const Spline *spline, int rational, Index span, double t, double *rows)
-{
-    Index p = spline->degree, all = spline->dimension, d = all - rational;
-    const double *local = local_knots(spline, span);
-    memcpy(rows, local_rows(spline, span), (size_t)((p + 1) * all) * sizeof(double));
-    for (Index step = 0; step < p - 2; step++)
-        blossom_step(local, p, all, t, step, rows);
-    /* Of the polar form with two free arguments: value, slope and bending, column by column; a line
-    bends only through its weights. */
-    double sum = 0.0, weight[3] = {1.0, 0.0, 0.0};
-    for (Index turn = 0; turn < all; turn++) {
-        Index c = rational ? (turn == 0 ? d : turn - 1) : turn; /* the weight first */
-        double value, slope, bend = 0.0;
-        if (p == 1) {
-            double width = local[1] - local[0], share = (t - local[0]) / width;
-            value = rows[c] * (1.0 - share) + rows[c + all] * share;
-            slope = (rows[c + all] - rows[c]) / width;
-        } else {
-            const double *knot = local + p - 2; /* two before, two behind the parameter */
-            double one = (rows[c + all] - rows[c]) / (knot[2] - knot[0]);
-            double two = (rows[c + 2 * all] - rows[c + all]) / (knot[3] - knot[1]);
-            double low = rows[c] + (t - knot[0]) * one, high = rows[c + all] + (t - knot[1]) * two;
-            double width = knot[2] - knot[1];
-            value = low + (t - knot[1]) / width * (high - low);
-            slope = (double)p * (high - low) / width;
-            bend = (double)(p * (p - 1)) * (two - one) / width;
-        }
-        if (rational && turn == 0) {
-            weight[0] = value, weight[1] = slope, weight[2] = bend;
-            continue;
-        }
-        if (rational) {
-            double point = value / weight[0], velocity = (slope - weight[1] * point) / weight[0];
-            bend = (bend - 2 * weight[1] * velocity - weight[2] * point) / weight[0];
-        }
-        sum += bend * bend;
-    }
-    return sqrt(sum);
-}
-
-METHOD(core_density)
-{
-    /* knots, coefficients, degree, rational, start, stop, target; returns the nodes of a fine grid
-    and how many chords each of its cells needs, as bytes. See multirep.splines.sampling. */
-    Call call;
-    begin(&call, count, 7);
-    if (call.failed)
-        return finish(&call, NULL);
-    Table knots = reals(&call, values[0]), coefficients = reals(&call, values[1]);
-    Spline spline = spline_of(&call, knots, coefficients, integer(&call, values[2]));
-    int rational = integer(&call, values[3]) != 0;
-    double start = real(&call, values[4]), stop = real(&call, values[5]);
-    double target = real(&call, values[6]);
-    Index p = spline.degree, d = spline.dimension;
-    expect(&call, p >= 1 && d >= 1 + rational, "no such spline");
-    expect(&call, start < stop && target > 0.0, "an interval and a tolerance are wanted");
-    double *rows = scratch(&call, (p + 1) * d), *second = scratch(&call, 2 * d);
-    Index first = call.failed ? 0 : span_of(&spline, start), last = first;
-    for (; !call.failed && last < spline.last && spline.knots[last + 1] < stop; last++)
-        ;
-    double *parts = scratch(&call, last - first + 1);
-    Index total = 0;
-    for (Index span = first; !call.failed && span <= last; span++) {
-        double low = span == first ? start : spline.knots[span];
-        double width = (span == last ? stop : spline.knots[span + 1]) - low, bent = 0.0;
-        parts[span - first] = 0.0;
-        if (!(width > 0.0))
-            continue;
-        if (rational || p > 3)
-            for (Index look = 0; look < LOOKS; look++) {
-                double at = low + width * (((double)look + 0.5) / LOOKS);
-                bent = larger(bending(&spline, rational, span, at, rows), bent);
-            }
-        else if (p > 1) {
-            /* S'' is linear or constant on a span, so largest at an end. */
-            second_derivatives(&spline, span, second);
-            bent = sqrt(larger(squared_norm(second, d), squared_norm(second + d, d)));
-        }
-        double cells = ceil(width * sqrt(bent * (CELLS_PER_CHORD * CELLS_PER_CHORD / (8 * target))));
-        cells = cells >= FEWEST_CELLS ? smaller(cells, MOST_CELLS) : FEWEST_CELLS;
-        parts[span - first] = cells;
-        total += (Index)cells;
-    }
-    double *nodes = scratch(&call, total + 1), *shares = scratch(&call, total);
-    Index node = 0;
-    for (Index span = first; !call.failed && span <= last; span++) {
-        double low = span == first ? start : spline.knots[span];
-        double whole = (span == last ? stop : spline.knots[span + 1]) - low;
-        Index cells = (Index)parts[span - first];
-        double width = cells ? whole / (double)cells : 0.0;
-        for (Index cell = 0; cell < cells; cell++, node++) {
-            nodes[node] = low + (double)cell * width;
-            double bent = bending(&spline, rational, span, nodes[node] + width / 2, rows);
-            /* Never quite zero, so that the density can be inverted where the curve is straight. */
-            shares[node] = sqrt(bent / (8 * target)) * width + 1e-6 * (width / (stop - start));
-        }
-    }
-    PyObject *found = NULL;
-    if (!call.failed) {
-        nodes[total] = stop;
-        found = pair_of(&call, bytes_of(nodes, (total + 1) * (Index)sizeof(double)),
-                        bytes_of(shares, total * (Index)sizeof(double)));
-    }
-    return finish(&call, found);
 }
 
 METHOD(core_largest)

@@ -76,16 +76,16 @@ def chord_bounds(
     bounds: Array,
     /,
 ) -> None: ...
-def density(
+def sample(
     knots: Array,
     coefficients: Array,
     degree: int,
     rational: bool,
     start: float,
     stop: float,
-    target: float,
+    tolerance: float,
     /,
-) -> tuple[bytearray, bytearray]: ...
+) -> tuple[bytearray, bytearray, bytearray] | None: ...
 def attempt(
     t: Array,
     points: Array,
@@ -119,20 +119,6 @@ def predict(
     /,
 ) -> None: ...
 def common(a: Array, b: Array, /) -> tuple[int, int]: ...
-def lay_out(
-    nodes: Array,
-    shares: Array,
-    begins: Array,
-    ends: Array,
-    least: float,
-    most: float,
-    spare: float,
-    spare_from: float,
-    /,
-) -> tuple[bytearray, bytearray]: ...
-def corrected(
-    nodes: Array, shares: Array, t: Array, needs: Array, least: float, /
-) -> tuple[bytearray, bytearray]: ...
 def changed_spans(
     degree: int, knots: Array, other_knots: Array, rows: list[tuple[Array, Array]], /
 ) -> list[tuple[float, float]]: ...

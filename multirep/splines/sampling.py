@@ -11,11 +11,7 @@ import numpy as np
 from multirep.splines import compiled
 from multirep.splines.arrays import Array, IntArray
 from multirep.splines.curvature import second_derivative_coefficients
-from multirep.splines.deviation import (
-    bernstein_deviation,
-    compiled_chord_bounds,
-    curvature_deviation,
-)
+from multirep.splines.deviation import bernstein_deviation, curvature_deviation
 from multirep.splines.evaluation import evaluate
 from multirep.splines.pieces import (
     Stretch,
@@ -115,6 +111,12 @@ def sample_spline(
     >>> bounds.round(9)
     array([0.015625, 0.015625, 0.015625, 0.015625])
     """
+    if compiled.active and (degree > 1 or rational):
+        found = compiled.core.sample(knots, coefficients, degree, rational, start, stop, tolerance)
+        if found is not None:
+            t, points, bounds = (np.frombuffer(numbers) for numbers in found)
+            return t, points.reshape(len(t), -1), bounds
+        # out of reach: numpy finds out why
     stretch = cut_stretch(knots, coefficients, degree, start, stop, rational)
     hull = stretch.coefficients
     if rational:
@@ -132,7 +134,7 @@ def sample_spline(
         raise _out_of_reach(tolerance, worst, hull)
 
     second = None
-    if not rational and degree in (2, 3) and not compiled.active:
+    if not rational and degree in (2, 3):
         second = second_derivative_coefficients(stretch.knots, stretch.coefficients, degree)
     nodes, shares = _density(stretch, second, start, stop, room * _MARGIN)
     t = np.append(_lay_out(nodes, shares, fixed[:-1], fixed[1:], spare=_SPARE)[0], stop)
@@ -199,9 +201,6 @@ def _density(
     stretch: Stretch, second: Array | None, start: float, stop: float, target: float
 ) -> tuple[Array, Array]:
     """Measure how many chords each cell of a fine grid needs; return the grid and the numbers."""
-    if compiled.active:
-        grid, needs = compiled.core.density(*stretch[:4], start, stop, target)
-        return np.frombuffer(grid), np.frombuffer(needs)
     low, high = stretch.breaks[:-1].copy(), stretch.breaks[1:].copy()
     low[0], high[-1] = start, stop
     width = high - low
@@ -230,9 +229,6 @@ def _density(
 
 def _corrected(nodes: Array, shares: Array, t: Array, needs: Array) -> tuple[Array, Array]:
     """Scale the density on each chord so that the chord's share is what it needs."""
-    if compiled.active:
-        finer, scaled = compiled.core.corrected(nodes, shares, t, needs, _LEAST_NEED)
-        return np.frombuffer(finer), np.frombuffer(scaled)
     sums = np.concatenate(([0.0], shares.cumsum()))
     grid = np.concatenate((nodes, t))
     grid.sort()
@@ -257,12 +253,6 @@ def _lay_out(
     nodes: Array, shares: Array, begins: Array, ends: Array, least: int = 1, spare: float = 0.0
 ) -> tuple[Array, IntArray]:
     """Divide intervals into chords of equal shares, at most 1; return their starts and counts."""
-    if compiled.active:
-        most = _MOST_PARTS if least > 1 else np.inf
-        starts, numbers = compiled.core.lay_out(
-            nodes, shares, begins, ends, least, most, spare, _SPARE_FROM
-        )
-        return np.frombuffer(starts), np.frombuffer(numbers, dtype=np.intp)
     sums = np.concatenate(([0.0], shares.cumsum()))
     marks = np.interp(begins, nodes, sums)
     needs = np.interp(ends, nodes, sums) - marks
@@ -301,11 +291,6 @@ def _certify(
     tolerance: float,
 ) -> Array:
     """Bound the deviation from chords between points of the curve, rounding included."""
-    if compiled.active:
-        has_cheap_bound = stretch.degree <= 3 and not stretch.rational
-        limit = np.array([tolerance] if has_cheap_bound else [])
-        lines = starts, stops, low, high
-        return compiled_chord_bounds(stretch[:4], lines, limit, splits=_SPLITS, inscribed=True)
     pieces = cut_pieces(stretch.breaks, starts, stops)
     count = len(pieces.cells)
     off = np.zeros(count + 1)

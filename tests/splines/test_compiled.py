@@ -30,7 +30,6 @@ from multirep.sampled import SampledSplice, interpolate
 from multirep.splines import compiled, evaluate, sampling
 from multirep.splines.arrays import Array
 from multirep.splines.basis import basis_functions, find_spans
-from multirep.splines.curvature import second_derivative_coefficients
 from multirep.splines.deviation import spline_chord_deviation
 from multirep.splines.least_squares import polyline_rows, solve_window
 from multirep.splines.pieces import cut_stretch, rounding
@@ -281,41 +280,55 @@ def test_deviations_are_proved_alike(
     assert (off <= fast).all()
 
 
-@given(splines(), st.sampled_from([1e-2, 1e-4]))
-def test_samples_are_laid_out_alike(spline: Spline, tolerance: float) -> None:
-    """The density and the chords of equal shares to rounding; every bound below the tolerance."""
-    stop = float(spline.knots[-1])
+@given(splines(), st.sampled_from([1e-1, 1e-2, 1e-4]), st.integers(0, 6), st.integers(1, 8))
+def test_samples_are_alike(spline: Spline, tolerance: float, begin: int, length: int) -> None:
+    """As many chords, where the first layout passed at the same places; all points the curve's."""
+    last = float(spline.knots[-1])
+    start, stop = begin / 8 * last, min(begin + length, 8) / 8 * last
     tolerance *= spline.scale
-    stretch = cut_stretch(*spline[:3], 0.0, stop, spline.rational)
-    second = None
-    if not spline.rational and spline.degree in (2, 3):
-        second = second_derivative_coefficients(*stretch[:3])
-    fast, pure = both(lambda: sampling._density(stretch, second, 0.0, stop, tolerance))
-    # a number of cells that is a whole number but for rounding may be rounded up or not
-    assume(len(fast[0]) == len(pure[0]))
-    assert np.abs(fast[0] - pure[0]).max() <= 4 * EPS * stop
-    assert np.abs(fast[1] - pure[1]).max() <= 1e-5 * max(1.0, pure[1].max())
-    nodes, shares = pure
-    ends = np.array([0.0, stop / 4, stop])
-    for least, spare in ((1, 0.0), (2, 0.25)):
-        fast, pure = both(
-            lambda least=least, spare=spare: sampling._lay_out(
-                nodes, shares, ends[:-1], ends[1:], least, spare
-            )
+    fast, pure = both(
+        lambda: sampling.sample_spline(
+            *spline[:3], start, stop, tolerance=tolerance, rational=spline.rational
         )
-        assert same(fast[1], pure[1])
-        assert np.abs(fast[0] - pure[0]).max() <= 8 * EPS * stop
-    t = np.append(pure[0], stop)
-    needs = np.linspace(0.0, 2.0, len(t) - 1)
-    fast, pure = both(lambda: sampling._corrected(nodes, shares, t, needs))
-    assert same(fast[0], pure[0])
-    assert np.abs(fast[1] - pure[1]).max() <= 1e-9 * max(1.0, pure[1].max())
-    with core(True):
-        t, _, bounds = sampling.sample_spline(
-            *spline[:3], 0.0, stop, tolerance=tolerance, rational=spline.rational
-        )
-    assert (bounds <= tolerance).all()
+    )
+    t, points, bounds = fast
+    assert t[0] == start
+    assert t[-1] == stop
     assert (np.diff(t) > 0).all()
+    assert points.shape == (len(t), pure[1].shape[1])
+    assert (bounds <= tolerance).all()
+    there = evaluate(spline.knots, spline.coefficients, spline.degree, t)
+    assert same(points, there[:, :-1] / there[:, -1:] if spline.rational else there)
+    # a share that is a whole number but for rounding may be rounded up or not
+    assert abs(len(t) - len(pure[0])) <= 2 + 0.03 * len(pure[0])
+
+
+@given(splines(degrees=(2, 5)), st.sampled_from([1e-2, 1e-4]))
+def test_samples_come_out_the_same_when_nothing_is_rounded_otherwise(
+    spline: Spline, tolerance: float
+) -> None:
+    """The same number of chords means the same chords."""
+    stop = float(spline.knots[-1])
+    fast, pure = both(
+        lambda: sampling.sample_spline(
+            *spline[:3], 0.0, stop, tolerance=tolerance * spline.scale, rational=spline.rational
+        )
+    )
+    assume(len(fast[0]) == len(pure[0]))
+    assume((pure[2] < 0.99 * tolerance * spline.scale).all())
+    assert np.abs(fast[0] - pure[0]).max() <= 1e-6 * stop
+    assert np.abs(fast[2] - pure[2]).max() <= 1e-5 * tolerance * spline.scale
+
+
+def test_out_of_reach_is_said_as_without_the_core() -> None:
+    """The core gives up; numpy says why."""
+    knots, points = np.array([0, 0, 0, 0, 1, 1, 1, 1.0]), np.eye(4)[:, :2] + 1e6
+    said = []
+    for active in (True, False):
+        with core(active), pytest.raises(ValueError, match="out of reach") as caught:
+            sampling.sample_spline(knots, points, 3, 0.0, 1.0, tolerance=1e-12)
+        said.append(str(caught.value))
+    assert said[0] == said[1]
 
 
 @st.composite
@@ -526,7 +539,7 @@ def test_what_does_not_fit_is_refused() -> None:
     with pytest.raises(ValueError, match="different lengths"):
         call.common(points, knots)
     with pytest.raises(ValueError, match="n \\+ p \\+ 1 knots"):
-        call.density(knots, points[:2], 2, False, 0.0, 1.0, 1.0)
+        call.sample(knots, points[:2], 2, False, 0.0, 1.0, 1.0)
     with pytest.raises(ValueError, match="two vertices"):
         call.polyline_rows(knots, 2, t, points[:1], 3, np.empty(9), points, t)
     with pytest.raises(TypeError, match="array of format d"):
@@ -562,7 +575,11 @@ def test_everything_works_without_the_core() -> None:
         check=True,
     )
     assert said.stdout.strip() == "False"
-    suite = ("test_spline_least_squares.py", "test_spline_deviation.py")
+    suite = (
+        "test_spline_least_squares.py",
+        "test_spline_deviation.py",
+        "test_spline_sampling.py",
+    )
     done = subprocess.run(
         [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider"]
         + [f"tests/splines/{name}" for name in suite],

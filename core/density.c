@@ -1,0 +1,209 @@
+/* How many chords a stretch of a spline needs, on a fine grid; and chords of equal shares of it.
+
+The density is sqrt(||R''|| / (8 tolerance)); see multirep.splines.sampling.
+*/
+#include "core.h"
+
+#include <math.h>
+#include <string.h>
+
+/* Cells per chord on which the density is constant, and the fewest and the most on a span; places
+where the density of a rational spline or of a high degree is looked at first. */
+enum { CELLS_PER_CHORD = 4, FEWEST_CELLS = 2, MOST_CELLS = 64, LOOKS = 3 };
+/* No chord is taken to need less than this part of the tolerance's square root. */
+static const double LEAST_NEED = 1e-3;
+
+/* ||R''|| on a cell; `rows` has room for p + 1 rows. */
+static double bending(const Spline *spline, int rational, Index span, double t, double *rows)
+{
+    Index p = spline->degree, all = spline->dimension, d = all - rational;
+    const double *local = local_knots(spline, span);
+    memcpy(rows, local_rows(spline, span), (size_t)((p + 1) * all) * sizeof(double));
+    for (Index step = 0; step < p - 2; step++)
+        blossom_step(local, p, all, t, step, rows);
+    /* Of the polar form with two free arguments: value, slope and bending, column by column; a line
+    bends only through its weights. */
+    double sum = 0.0, weight[3] = {1.0, 0.0, 0.0};
+    for (Index turn = 0; turn < all; turn++) {
+        Index c = rational ? (turn == 0 ? d : turn - 1) : turn; /* the weight first */
+        double value, slope, bend = 0.0;
+        if (p == 1) {
+            double width = local[1] - local[0], share = (t - local[0]) / width;
+            value = rows[c] * (1.0 - share) + rows[c + all] * share;
+            slope = (rows[c + all] - rows[c]) / width;
+        } else {
+            const double *knot = local + p - 2; /* two before, two behind the parameter */
+            double one = (rows[c + all] - rows[c]) / (knot[2] - knot[0]);
+            double two = (rows[c + 2 * all] - rows[c + all]) / (knot[3] - knot[1]);
+            double low = rows[c] + (t - knot[0]) * one, high = rows[c + all] + (t - knot[1]) * two;
+            double width = knot[2] - knot[1];
+            value = low + (t - knot[1]) / width * (high - low);
+            slope = (double)p * (high - low) / width;
+            bend = (double)(p * (p - 1)) * (two - one) / width;
+        }
+        if (rational && turn == 0) {
+            weight[0] = value, weight[1] = slope, weight[2] = bend;
+            continue;
+        }
+        if (rational) {
+            double point = value / weight[0], velocity = (slope - weight[1] * point) / weight[0];
+            bend = (bend - 2 * weight[1] * velocity - weight[2] * point) / weight[0];
+        }
+        sum += bend * bend;
+    }
+    return sqrt(sum);
+}
+
+/* Cells that a span is cut into. */
+static double cells_of(const Spline *spline, int rational, Index span, double low, double width,
+                       double target, double *rows, double *second)
+{
+    Index d = spline->dimension;
+    double bent = 0.0;
+    if (rational || spline->degree > 3)
+        for (Index look = 0; look < LOOKS; look++) {
+            double at = low + width * (((double)look + 0.5) / LOOKS);
+            bent = larger(bending(spline, rational, span, at, rows), bent);
+        }
+    else if (spline->degree > 1) {
+        /* S'' is linear or constant on a span, so largest at an end. */
+        second_derivatives(spline, span, second);
+        bent = sqrt(larger(squared_norm(second, d), squared_norm(second + d, d)));
+    }
+    double cells = ceil(width * sqrt(bent * (CELLS_PER_CHORD * CELLS_PER_CHORD / (8 * target))));
+    return cells >= FEWEST_CELLS ? smaller(cells, MOST_CELLS) : FEWEST_CELLS;
+}
+
+static Density empty_density(Call *call, Index cells)
+{
+    Density density = {cells, 0, 0, scratch(call, cells + 1), scratch(call, cells),
+                       scratch(call, cells + 1)};
+    return density;
+}
+
+static void add_up(Density *density)
+{
+    density->sums[0] = 0.0;
+    for (Index i = 0; i < density->cells; i++)
+        density->sums[i + 1] = density->sums[i] + density->shares[i];
+}
+
+Density density_of(Call *call, const Spline *spline, int rational, double start, double stop,
+                   double target)
+{
+    Index p = spline->degree, d = spline->dimension;
+    double *rows = scratch(call, (p + 1) * d), *second = scratch(call, 2 * d);
+    Index first = call->failed ? 0 : span_of(spline, start), last = first;
+    while (!call->failed && last < spline->last && spline->knots[last + 1] < stop)
+        last++;
+    double *parts = scratch(call, last - first + 1);
+    Index total = 0;
+    for (Index span = first; !call->failed && span <= last; span++) {
+        double low = span == first ? start : spline->knots[span];
+        double width = (span == last ? stop : spline->knots[span + 1]) - low;
+        double cells = 0.0;
+        if (width > 0.0)
+            cells = cells_of(spline, rational, span, low, width, target, rows, second);
+        parts[span - first] = cells;
+        total += (Index)cells;
+    }
+    Density density = empty_density(call, total);
+    Index node = 0;
+    for (Index span = first; !call->failed && span <= last; span++) {
+        double low = span == first ? start : spline->knots[span];
+        double whole = (span == last ? stop : spline->knots[span + 1]) - low;
+        Index cells = (Index)parts[span - first];
+        double width = cells ? whole / (double)cells : 0.0;
+        for (Index cell = 0; cell < cells; cell++, node++) {
+            double at = density.nodes[node] = low + (double)cell * width;
+            double bent = bending(spline, rational, span, at + width / 2, rows);
+            /* Never quite zero, so that the density can be inverted where the curve is straight. */
+            density.shares[node] = sqrt(bent / (8 * target)) * width + 1e-6 * (width / (stop - start));
+        }
+    }
+    if (!call->failed) {
+        density.nodes[total] = stop;
+        add_up(&density);
+    }
+    return density;
+}
+
+/* j with at[j] <= x < at[j + 1], walking on from an earlier one; the first or last interval outside. */
+static Index interval_of(const double *at, Index count, Index j, double x)
+{
+    Index low = 0, high = count - 2;
+    if (at[j] <= x && (j == high || x < at[j + 1]))
+        return j;
+    if (at[j] <= x && (j + 1 == high || x < at[j + 2]))
+        return j + 1;
+    while (low < high) {
+        Index middle = low + (high - low + 1) / 2;
+        if (at[middle] <= x)
+            low = middle;
+        else
+            high = middle - 1;
+    }
+    return low;
+}
+
+/* The piecewise linear function through (x, y) on an interval, constant beyond its ends. */
+static double between(const double *x, const double *y, Index j, double t)
+{
+    if (t <= x[j])
+        return y[j];
+    if (t >= x[j + 1])
+        return y[j + 1];
+    return (y[j + 1] - y[j]) / (x[j + 1] - x[j]) * (t - x[j]) + y[j];
+}
+
+double sum_at(Density *density, double t)
+{
+    density->node = interval_of(density->nodes, density->cells + 1, density->node, t);
+    return between(density->nodes, density->sums, density->node, t);
+}
+
+void lay_out(Density *density, double begin, double from, double to, Index chords, double *t)
+{
+    double step = (to - from) / (double)chords;
+    t[0] = begin;
+    for (Index part = 1; part < chords; part++) {
+        double wanted = (double)part * step + from;
+        density->sum = interval_of(density->sums, density->cells + 1, density->sum, wanted);
+        t[part] = between(density->sums, density->nodes, density->sum, wanted);
+    }
+}
+
+/* Scale the density on each chord so that the chord's share is what it proved to need. */
+Density corrected_density(Call *call, Density *density, Index chords, const double *t,
+                          const double *needs)
+{
+    Index nodes = density->cells + 1, all = nodes + chords + 1;
+    Density finer = empty_density(call, all - 1);
+    double *totals = scratch(call, chords);
+    Index *chord_of = index_scratch(call, all);
+    if (call->failed)
+        return finer;
+    for (Index r = 0, i = 0, j = 0; r < all; r++)
+        finer.nodes[r] = j == chords + 1 || (i < nodes && density->nodes[i] <= t[j])
+                             ? density->nodes[i++]
+                             : t[j++];
+    for (Index chord = 0; chord < chords; chord++)
+        totals[chord] = 0.0;
+    double before = sum_at(density, finer.nodes[0]);
+    for (Index r = 0, chord = 0; r + 1 < all; r++) {
+        double after = sum_at(density, finer.nodes[r + 1]);
+        while (chord + 1 < chords && t[chord + 1] <= finer.nodes[r])
+            chord++;
+        finer.shares[r] = after - before;
+        before = after;
+        chord_of[r] = chord;
+        totals[chord] += finer.shares[r];
+    }
+    for (Index r = 0; r + 1 < all; r++) {
+        double total = totals[chord_of[r]];
+        if (total > 0.0)
+            finer.shares[r] *= larger(needs[chord_of[r]], LEAST_NEED) / total;
+    }
+    add_up(&finer);
+    return finer;
+}
