@@ -7,6 +7,7 @@ passes through the middle, and the chords beside c carry half the gap in their c
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from time import perf_counter_ns
 
@@ -83,8 +84,8 @@ def _short_end(
     end = 0 if first else -1
     if bounds[end] <= SHORT_FIRST_CHORDS * tolerance:
         return piece
-    off = outside(float(piece.t[end])) - piece.points[end]
-    if float(off @ off) <= tolerance**2:
+    there = outside(float(piece.t[end]))
+    if math.dist(there.tolist(), piece.points[end].tolist()) <= tolerance:
         return piece
     chord = Interval(*(piece.t[:2] if first else piece.t[-2:]).tolist())
     fine = sample(author, chord, tolerance=SHORT_FIRST_CHORDS * tolerance)

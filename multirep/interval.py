@@ -37,13 +37,14 @@ class Interval:
     stop: float
 
     def __attrs_post_init__(self) -> None:
+        if -math.inf < self.start <= self.stop < math.inf:
+            return
         if not self.start <= self.stop:
             raise IntervalError(
                 f"interval [{self.start!r}, {self.stop!r}] is reversed or not a number: "
                 "start must be <= stop"
             )
-        if not (math.isfinite(self.start) and math.isfinite(self.stop)):
-            raise IntervalError(f"interval [{self.start!r}, {self.stop!r}] is not finite")
+        raise IntervalError(f"interval [{self.start!r}, {self.stop!r}] is not finite")
 
     @classmethod
     def of(cls, value: Interval | Sequence[float]) -> Interval:

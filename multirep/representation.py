@@ -199,6 +199,13 @@ class Representation(abc.ABC):
 
     # -- don't override ----------------------------------------------------------------------------
 
+    def ends(self, interval: Interval) -> tuple[float, float]:
+        """Return both ends of an interval inside T; else ParameterError with the offender."""
+        domain = self.domain
+        if not (domain.start <= interval.start and interval.stop <= domain.stop):
+            self.parameters([interval.start, interval.stop])
+        return interval.start, interval.stop
+
     def parameters(self, t: ArrayLike) -> Array:
         """Return ``t`` as a float array, each inside T; else ParameterError with the offender."""
         array: Array = np.asarray(t, dtype=np.float64)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from itertools import pairwise
 
 import attrs
 import numpy as np
@@ -85,8 +86,12 @@ class SampledSplice:
         points.setflags(write=False)
         if chord_bounds is not None:
             chord_bounds.setflags(write=False)
-        for field, value in zip(_FIELDS, (t, points, bound, breaks, chord_bounds), strict=True):
-            object.__setattr__(new, field, value)
+        put = object.__setattr__
+        put(new, "t", t)
+        put(new, "points", points)
+        put(new, "bound", bound)
+        put(new, "breaks", breaks)
+        put(new, "chord_bounds", chord_bounds)
         return new
 
     def _check_chord_bounds(self, bounds: Array) -> None:
@@ -138,9 +143,6 @@ class SampledSplice:
         )
 
 
-_FIELDS = tuple(field.name for field in attrs.fields(SampledSplice))
-
-
 def join(pieces: list[SampledSplice]) -> SampledSplice:
     """Join sampled splices that follow each other; L passes through the middle of each seam.
 
@@ -149,24 +151,21 @@ def join(pieces: list[SampledSplice]) -> SampledSplice:
     """
     if len(pieces) == 1:
         return pieces[0]
-    points = [piece.points for piece in pieces]
-    bounds = [chord_bounds(piece).copy() for piece in pieces]
-    for k in range(len(pieces) - 1):
-        left, right = points[k][-1], points[k + 1][0]
-        middle = 0.5 * (left + right)
-        gap = right - left
-        half = 0.5 * math.sqrt(float(gap @ gap))
-        points[k] = np.concatenate([points[k][:-1], middle[None]])
-        points[k + 1] = np.concatenate([middle[None], points[k + 1][1:]])
-        bounds[k][-1] += half
-        bounds[k + 1][0] += half
-    joined = np.concatenate(bounds)
+    points = np.concatenate([pieces[0].points, *(piece.points[1:] for piece in pieces[1:])])
+    bounds = np.concatenate([chord_bounds(piece) for piece in pieces])
+    seam = 0
+    for before, after in pairwise(pieces):
+        seam += len(before.t) - 1
+        left, right = before.points[-1].tolist(), after.points[0].tolist()
+        if left != right:
+            points[seam] = [0.5 * (a + b) for a, b in zip(left, right, strict=True)]
+            bounds[seam - 1 : seam + 1] += 0.5 * math.dist(left, right)
     return SampledSplice.unchecked(
         np.concatenate([pieces[0].t, *(piece.t[1:] for piece in pieces[1:])]),
-        np.concatenate([points[0], *(rows[1:] for rows in points[1:])]),
-        bound=float(joined.max()),
+        points,
+        bound=float(bounds.max()),
         breaks=tuple(sorted({t for piece in pieces for t in piece.breaks})),
-        chord_bounds=joined,
+        chord_bounds=bounds,
     )
 
 

@@ -141,7 +141,7 @@ class SpliceList:
             return self
         if not self._starts:
             return other
-        small, large = sorted((self, other), key=len)
+        small, large = _by_size(self, other)
         starts, stops = large._starts, large._stops
         for start, stop in zip(small._starts, small._stops, strict=True):
             i = bisect_left(stops, start)  # the first splice that reaches `start`
@@ -153,7 +153,7 @@ class SpliceList:
         return self._canonical(starts, stops)
 
     def __and__(self, other: SpliceList) -> SpliceList:
-        small, large = sorted((self, other), key=len)
+        small, large = _by_size(self, other)
         starts: list[float] = []
         stops: list[float] = []
         for start, stop in zip(small._starts, small._stops, strict=True):
@@ -180,11 +180,11 @@ class SpliceList:
 
     def intersects(self, other: SpliceList) -> bool:
         """Whether the interiors meet; cheaper than the intersection."""
-        small, large = sorted((self, other), key=len)
-        return any(
-            bisect_right(large._stops, start) < bisect_left(large._starts, stop)
-            for start, stop in zip(small._starts, small._stops, strict=True)
-        )
+        small, large = _by_size(self, other)
+        for start, stop in zip(small._starts, small._stops, strict=True):
+            if bisect_right(large._stops, start) < bisect_left(large._starts, stop):
+                return True
+        return False
 
     # -- identity ----------------------------------------------------------------------------------
 
@@ -214,6 +214,10 @@ class SpliceList:
 
 
 SpliceList.EMPTY = SpliceList()
+
+
+def _by_size(one: SpliceList, two: SpliceList) -> tuple[SpliceList, SpliceList]:
+    return (one, two) if len(one._starts) <= len(two._starts) else (two, one)
 
 
 def _read_number(text: str) -> float:

@@ -9,6 +9,7 @@ place accumulate nothing.
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
@@ -64,17 +65,12 @@ def spliced(curve: N, sampled: SampledSplice, tolerance: float) -> Edit[N]:
 
 def _check_gaps(curve: Nurbs, course: Course, tolerance: float) -> None:
     """Refuse at once when the curve outside does not meet the course within the allowance."""
-    ends = [
-        (at, i)
-        for at, i, end in (
-            (float(course.t[0]), 0, curve.domain.start),
-            (float(course.t[-1]), -1, curve.domain.stop),
-        )
-        if at != end
-    ]
-    for at, i in ends:
-        off = curve(at) - course.points[i]
-        gap = float(np.sqrt(off @ off))
+    domain = curve.domain
+    for i, end in ((0, domain.start), (-1, domain.stop)):
+        at = float(course.t[i])
+        if at == end:
+            continue
+        gap = math.dist(curve(at).tolist(), course.points[i].tolist())
         if gap > course.allowance[i]:
             raise ToleranceError(
                 f"the curve outside is {gap:.3g} away from the samples at t = {at!r}, "

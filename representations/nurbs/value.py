@@ -211,7 +211,7 @@ class NurbsValue(Representation):
         """
         from multirep.splines import sample_spline
 
-        start, stop = self.parameters([interval.start, interval.stop]).tolist()
+        start, stop = self.ends(interval)
         knots, points, weights = self._window(start, stop)
         rational = weights is not None and bool((weights != 1.0).any())
         rows = homogeneous(points, weights) if rational and weights is not None else points

@@ -9,6 +9,8 @@ chord, every other sample against those of its two chords.
 
 from __future__ import annotations
 
+import math
+
 import attrs
 import numpy as np
 
@@ -60,10 +62,15 @@ def follow(
         values[0] = values[0] if start is None else start
         values[-1] = values[-1] if stop is None else stop
     chords = sampled.allowance(tolerance)
-    gap = max(_gap(sampled, values, chords, tolerance, k) for k in (0, -1))
+    gap = 0.0
+    if start is not None:
+        gap = _gap(sampled, start, chords, tolerance, 0)
+    if stop is not None:
+        gap = max(gap, _gap(sampled, stop, chords, tolerance, -1))
     # evaluating the deviation rounds: at most 8 units of the largest coordinate in each of d
     # coordinates
-    rounding = 8 * UNIT * float(np.abs(values).max()) * float(np.sqrt(values.shape[1]))
+    largest = max(float(values.max()), -float(values.min()))
+    rounding = 8 * UNIT * largest * math.sqrt(values.shape[1])
     allowed = np.empty(len(t))
     allowed[1:-1] = np.minimum(chords[1:], chords[:-1]) - rounding
     allowed[0], allowed[-1] = chords[0], chords[-1]
@@ -78,9 +85,9 @@ def follow(
     return Follower(t[kept], rows, max(gap, worst))
 
 
-def _gap(sampled: SampledSplice, values: Array, chords: Array, tolerance: float, end: int) -> float:
+def _gap(sampled: SampledSplice, pinned: Array, chords: Array, tolerance: float, end: int) -> float:
     """Return the distance of a pinned end from L; ToleranceError beyond the allowance."""
-    gap = float(np.linalg.norm(values[end] - sampled.points[end]))
+    gap = math.dist(pinned.tolist(), sampled.points[end].tolist())
     allowed = float(chords[end])
     if gap > allowed:
         where = float(sampled.t[end])

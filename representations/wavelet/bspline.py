@@ -167,7 +167,7 @@ class WaveletBSpline(Representation):
         """
         from multirep.splines import sample_spline
 
-        start, stop = self.parameters([interval.start, interval.stop]).tolist()
+        start, stop = self.ends(interval)
         curve = self._graded
         window = curve.window(curve.span_at(start), curve.span_at(stop, "left"))
         try:
