@@ -73,18 +73,22 @@ class State:
 
     def with_held(self, name: str, held: Held) -> State:
         """Return the state with another value of one kind."""
-        return self._with({**self.held, name: held}, self.looks)
+        return self._with({**self.held, name: held}, self.authors, self.looks)
+
+    def with_author(self, held: Mapping[str, Held], authors: AuthorMap) -> State:
+        """Return the state after somebody changed the curve; nobody has looked yet."""
+        return self._with(held, authors, ())
 
     def looked(self, kind: str, where: SpliceList | None) -> State:
         """Return the state that remembers one more look."""
-        return self._with(self.held, (*self.looks, Look(kind, where)))
+        return self._with(self.held, self.authors, (*self.looks, Look(kind, where)))
 
-    def _with(self, held: Mapping[str, Held], looks: tuple[Look, ...]) -> State:
+    def _with(self, held: Mapping[str, Held], authors: AuthorMap, looks: tuple[Look, ...]) -> State:
         # not attrs.evolve, which takes ten times as long: this is part of every step of a drag
         return State(
             self.tolerance,
             held,
-            self.authors,
+            authors,
             self.claims,
             self.frozen,
             self.added,

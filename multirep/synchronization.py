@@ -13,7 +13,6 @@ import math
 from collections.abc import Callable, Iterator
 from time import perf_counter_ns
 
-import attrs
 import numpy as np
 
 from multirep.bulk import composed_in_pieces
@@ -358,5 +357,4 @@ def evolve_stale(state: State, name: str, splices: SpliceList) -> State:
         else Held(item.value, item.stale | splices)
         for other, item in state.held.items()
     }
-    authors = state.authors.assigned(splices, name)
-    return attrs.evolve(state, held=held, authors=authors, looks=())
+    return state.with_author(held, state.authors.assigned(splices, name))
