@@ -100,7 +100,13 @@ GOALS: tuple[Goal, ...] = (
         for n, text, limit in ((1000, "10³", 25), (10_000, "10⁴", 100), (100_000, "10⁵", 1500))
         for program in ("eager, quick", "eager, frugal")
     ),
-    Goal("drag step, nobody looks", "the commit", 20e-6, taking("unseen", names=": commit"), "s"),
+    Goal(
+        "drag step, nobody looks",
+        "synchronisation",
+        20e-6,
+        taking("unseen", names=": synchronisation"),
+        "s",
+    ),
     Goal("undo", "at any n", 50e-6, taking("undo", names="undo"), "s"),
     Goal(
         "first view, smooth",

@@ -1,4 +1,8 @@
-"""One drag step that nobody looks at: what is left is the edit itself and the commit."""
+"""One drag step that nobody looks at: the edit, the commit that checks it, marking the others.
+
+Marking the other representations stale, and who is the author where, is all synchronisation that
+takes place.
+"""
 
 from __future__ import annotations
 
@@ -9,10 +13,23 @@ from benchmarks.curves import viewed
 from benchmarks.drags import Drag, drags
 from benchmarks.workload import Case, Contestant, Timed, Workload, sweep
 from benchmarks.workloads.windows import going_back
+from multirep.synchronization import evolve_stale
 
 
 def contestants(case: Case) -> Iterator[Contestant]:
-    """The commit, which is all synchronisation that takes place; and the edit before it."""
+    """What marks the others stale; with the checks of the commit; with the edit, too."""
+    for number in range(3):
+        curve = viewed(case)
+        drag = drags(curve)[number]
+        edit = drag.step(curve.view(drag.kind), 0)
+        state = curve.snapshot()
+        yield Timed(
+            f"{drag.what}: synchronisation",
+            lambda k, state=state, kind=drag.kind.name, splices=edit.splices: evolve_stale(
+                state, kind, splices
+            ),
+            True,
+        )
     for number in range(3):
         curve = viewed(case)
         drag = drags(curve)[number]
