@@ -165,7 +165,7 @@ METHOD(core_predict);
 METHOD(core_halves);
 METHOD(core_largest);
 METHOD(core_cells);
-METHOD(core_heights);
+METHOD(core_course);
 METHOD(core_target);
 METHOD(core_between_common);
 METHOD(core_interpolate);

@@ -18,7 +18,7 @@ static PyMethodDef methods[] = {
     ENTRY(halves),
     ENTRY(largest),
     ENTRY(cells),
-    ENTRY(heights),
+    ENTRY(course),
     ENTRY(target),
     ENTRY(between_common),
     ENTRY(interpolate),

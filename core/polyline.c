@@ -165,17 +165,45 @@ METHOD(core_simplify)
     return finish(&call, bytes_of(kept, chosen * (Index)sizeof(Index)));
 }
 
-METHOD(core_heights)
+/* The polyline with the middles of the chords beside kinks as vertices, unless rounding puts them on
+an end. */
+static PyObject *with_middles(Call *call, Table t, Table points, const double *heights, double kink)
 {
-    /* t (m + 1,), points (m + 1, d), allowance (m,), heights (m - 1,): how far each inner vertex
-    stands from the line between its neighbours, over what both chords allow */
+    Index d = points.columns, m = t.rows - 1, count = 0;
+    double *finer = scratch(call, 2 * m + 1), *rows = scratch(call, (2 * m + 1) * d);
+    if (call->failed)
+        return NULL;
+    for (Index i = 0; i <= m; i++) {
+        const double *row = points.at + i * d;
+        finer[count] = t.at[i];
+        memcpy(rows + count++ * d, row, (size_t)d * sizeof(double));
+        int beside = i < m && ((i > 0 && heights[i - 1] > kink) || (i + 1 < m && heights[i] > kink));
+        double middle = beside ? 0.5 * (t.at[i] + t.at[i + 1]) : t.at[i];
+        if (!(t.at[i] < middle && middle < t.at[i + 1]))
+            continue;
+        finer[count] = middle;
+        for (Index c = 0; c < d; c++)
+            rows[count * d + c] = 0.5 * row[c] + 0.5 * row[c + d];
+        count++;
+    }
+    Index size = (Index)sizeof(double);
+    return pair_of(call, bytes_of(finer, count * size), bytes_of(rows, count * d * size));
+}
+
+METHOD(core_course)
+{
+    /* t (m + 1,), points (m + 1, d), allowance (m,), what counts as a kink, heights (m - 1,): how far
+    each inner vertex stands from the line between its neighbours, over what both chords allow. Returns
+    parameters and points of the polyline with middles beside kinks as bytes, or None without kinks. */
     Call call;
-    begin(&call, count, 4);
+    begin(&call, count, 5);
     if (call.failed)
         return finish(&call, NULL);
     Table t = reals(&call, values[0]), points = reals(&call, values[1]);
-    Table allowance = reals(&call, values[2]), heights = output(&call, values[3]);
+    Table allowance = reals(&call, values[2]), heights = output(&call, values[4]);
+    double kink = real(&call, values[3]);
     Index d = points.columns, m = allowance.rows;
+    int kinked = 0;
     expect(&call,
            m >= 1 && t.rows == m + 1 && points.rows == m + 1 && heights.rows == m - 1,
            "each chord needs an allowance, each inner vertex a place for its height");
@@ -187,8 +215,11 @@ METHOD(core_heights)
             square += off * off;
         }
         heights.at[i] = sqrt(square) / smaller(allowance.at[i], allowance.at[i + 1]);
+        kinked |= heights.at[i] > kink;
     }
-    return finish(&call, Py_NewRef(Py_None));
+    if (call.failed || !kinked)
+        return finish(&call, Py_NewRef(Py_None));
+    return finish(&call, with_middles(&call, t, points, heights.at, kink));
 }
 
 METHOD(core_target)

@@ -58,21 +58,7 @@ class Course(NamedTuple):
         """Make a course of a polyline and what is allowed on each chord."""
         tightest = float(allowance.min())
         uniform = tightest == float(allowance.max())
-        heights = _heights(t, points, allowance)
-        row_t, row_points = t, points
-        kinked = heights > KINK_HEIGHT
-        if kinked.any():
-            beside = np.zeros(len(t) - 1, dtype=bool)
-            beside[:-1] = kinked
-            beside[1:] |= kinked
-            at = np.flatnonzero(beside)
-            middle = 0.5 * (t[at] + t[at + 1])
-            some = (t[at] < middle) & (middle < t[at + 1])
-            at, middle = at[some], middle[some]
-            order = np.concatenate((t, middle)).argsort(kind="stable")
-            row_t = np.concatenate((t, middle))[order]
-            between = 0.5 * points[at] + 0.5 * points[at + 1]
-            row_points = np.concatenate((points, between))[order]
+        heights, row_t, row_points = _looked_at(t, points, allowance)
         return cls(t, points, allowance, tightest, uniform, heights, row_t, row_points)
 
     @classmethod
@@ -90,20 +76,34 @@ class Course(NamedTuple):
         return np.minimum(self.allowance.take(left), self.allowance.take(right))
 
 
-def _heights(t: Array, points: Array, allowance: Array) -> Array:
-    """How far each inner vertex stands out, (m - 1,); see `Course`."""
+def _looked_at(t: Array, points: Array, allowance: Array) -> tuple[Array, Array, Array]:
+    """Return heights, and the polyline with middles beside kinks as vertices; see `Course`."""
     if compiled.active:
-        found = np.empty(len(t) - 2)
-        compiled.core.heights(t, points, allowance, found)
-        return found
+        heights = np.empty(len(t) - 2)
+        finer = compiled.core.course(t, points, allowance, KINK_HEIGHT, heights)
+        if finer is None:
+            return heights, t, points
+        row_t, rows = (np.frombuffer(numbers) for numbers in finer)
+        return heights, row_t, rows.reshape(len(row_t), -1)
     share = (t[1:-1] - t[:-2]) / (t[2:] - t[:-2])
     off = points[2:] - points[:-2]
     off *= share[:, None]
     off += points[:-2]
     off -= points[1:-1]
-    heights: Array = np.sqrt(np.einsum("md,md->m", off, off))
+    heights = np.sqrt(np.einsum("md,md->m", off, off))
     heights /= np.minimum(allowance[:-1], allowance[1:])
-    return heights
+    kinked = heights > KINK_HEIGHT
+    if not kinked.any():
+        return heights, t, points
+    beside = np.zeros(len(t) - 1, dtype=bool)
+    beside[:-1] = kinked
+    beside[1:] |= kinked
+    at = np.flatnonzero(beside)
+    middle = 0.5 * (t[at] + t[at + 1])
+    some = (t[at] < middle) & (middle < t[at + 1])
+    at, middle = at[some], middle[some]
+    between = 0.5 * points[at] + 0.5 * points[at + 1]
+    return heights, np.insert(t, at + 1, middle), np.insert(points, at + 1, between, axis=0)
 
 
 class Breakpoints(NamedTuple):

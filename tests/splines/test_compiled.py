@@ -19,7 +19,7 @@ from multirep.blocks import BlockArray, _common
 from multirep.interval import Interval
 from multirep.representations.nurbs.changes import difference
 from multirep.representations.nurbs.fitting import Breakpoints
-from multirep.representations.nurbs.problem import Course, Problem
+from multirep.representations.nurbs.problem import KINK_HEIGHT, Course, Problem
 from multirep.representations.polyline.differences import _between_common
 from multirep.representations.polyline.sampling import _corners
 from multirep.representations.polyline.simplification import simplify
@@ -278,6 +278,21 @@ def test_deviations_are_proved_alike(
         seen = seen[:, :-1] / seen[:, -1:]
     off = np.linalg.norm(seen.reshape(line.shape) - line, axis=2)
     assert (off <= fast).all()
+
+
+@given(seeds, st.integers(2, 40), st.integers(1, 4), st.sampled_from([1e-3, 1.0, 1e6]))
+def test_courses_are_alike(seed: int, size: int, dimension: int, allowed: float) -> None:
+    """Heights to rounding; the same vertices and middles, however close vertices stand."""
+    rng = np.random.default_rng(seed)
+    t = np.unique(np.concatenate((rng.random(size), [0.5, np.nextafter(0.5, 1)])))
+    points = rng.integers(-64, 65, (len(t), dimension)) / 64
+    allowance = allowed * rng.integers(1, 9, len(t) - 1) / 8
+    fast, pure = both(lambda: Course.of(t, points, allowance))
+    assert np.abs(fast.heights - pure.heights).max() <= 1e-12 * pure.heights.max()
+    assume(same(fast.heights > KINK_HEIGHT, pure.heights > KINK_HEIGHT))
+    assert same(fast.row_t, pure.row_t)
+    assert same(fast.row_points, pure.row_points)
+    assert set(t) <= set(fast.row_t)
 
 
 @given(splines(), st.sampled_from([1e-1, 1e-2, 1e-4]), st.integers(0, 6), st.integers(1, 8))
