@@ -197,26 +197,37 @@ def _lead_in(curve: Graded, target: Target, end: float, span: int, *, forwards: 
     steep = math.sqrt(float(slope @ slope))
     if steep * reach > 0.35 * room:
         reach = 0.35 * room / steep
-    sign = 1.0 if forwards else -1.0
     shortest = domain.length * 2.0 ** -finest_level(domain)
+    if abs(next_knot - end) < shortest:  # no room for another knot between: all of the old piece
+        bound = _led(knots, points, target, end, next_knot)
+        if bound is not None:
+            return _End(float(curve.u[span + 1 if forwards else span]), span, True, bound)
+    sign = 1.0 if forwards else -1.0
     while reach >= shortest:
         ends = sorted(
             ((end + sign * part * reach - domain.start) / domain.length) for part in (2.0**-40, 1.0)
         )
         u = coarsest_between(*ends)
         near = float(parameters(np.array([u]), domain)[0])
-        low, high = (end, near) if forwards else (near, end)
-        if low == high:
+        if near == end:
             return _End(u, span, True, 0.0)
-        if low < high and abs(near - end) <= reach:
-            inner = t[t.searchsorted(low, "right") : t.searchsorted(high)]
-            marks = np.concatenate(([low], inner, [high]))
-            values, chords = target.at(marks)
-            proved = spline_chord_deviation(knots, points, 3, marks, values.T + target.origin)
-            if bool((proved <= target.allowances.take(chords[:-1])).all()):
-                return _End(u, span, True, float(proved.max()))
+        if (near > end) == forwards and abs(near - end) <= reach:
+            bound = _led(knots, points, target, end, near)
+            if bound is not None:
+                return _End(u, span, True, bound)
         reach *= _NEARER
     raise _gap_error(target, end, gap, chord)
+
+
+def _led(knots: Array, points: Array, target: Target, end: float, near: float) -> float | None:
+    """Prove that an old piece keeps the allowances between two parameters; None if it does not."""
+    t, (low, high) = target.t, sorted((end, near))
+    inner = t[t.searchsorted(low, "right") : t.searchsorted(high)]
+    marks = np.concatenate(([low], inner, [high]))
+    values, chords = target.at(marks)
+    proved = spline_chord_deviation(knots, points, 3, marks, values.T + target.origin)
+    kept = bool((proved <= target.allowances.take(chords[:-1])).all())
+    return float(proved.max()) if kept else None
 
 
 def _gap_error(target: Target, end: float, gap: float, chord: int) -> ToleranceError:

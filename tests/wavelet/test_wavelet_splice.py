@@ -185,6 +185,25 @@ def test_gaps_near_the_allowance_are_closed(part, interval):
     check_splice(value, away, tolerance=TOLERANCE)
 
 
+@pytest.mark.parametrize("domain", [(0.0, 1.0), (-2.0, 5.0)])
+@given(
+    which=st.tuples(st.integers(5, 10), st.integers(14, 20)),
+    near=st.tuples(
+        *[st.sampled_from([0, 2**-53, -(2**-53), 2**-51, -(2**-45), 2**-40, -(2**-30)])] * 2
+    ),
+)
+def test_ends_a_hair_beside_a_knot_are_joined(domain, which, near):
+    """No knot fits between; symmetric drawings have ends like 1/2 less one rounding."""
+    value = curve(2, domain)
+    start, stop = (
+        float(value.knots[k]) + off * (domain[1] - domain[0])
+        for k, off in zip(which, near, strict=True)
+    )
+    sampled = value.sample(Interval(start, stop), tolerance=1e-6)
+    away = attrs.evolve(sampled, points=sampled.points + TOLERANCE * np.array([0.36, 0.48]))
+    check_splice(value, away, tolerance=TOLERANCE)
+
+
 def test_gaps_beyond_the_allowance_are_refused_at_once():
     """The message says where, how far, and what is allowed."""
     value = curve()
