@@ -174,6 +174,9 @@ METHOD(core_simplify);
 METHOD(core_common);
 METHOD(core_changed_spans);
 METHOD(core_level_counts);
+METHOD(core_refine_uniform);
+METHOD(core_add_details);
+METHOD(core_analyse);
 
 static inline double larger(double a, double b) { return a > b ? a : b; }
 static inline double smaller(double a, double b) { return a < b ? a : b; }

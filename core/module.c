@@ -27,6 +27,9 @@ static PyMethodDef methods[] = {
     ENTRY(common),
     ENTRY(changed_spans),
     ENTRY(level_counts),
+    ENTRY(refine_uniform),
+    ENTRY(add_details),
+    ENTRY(analyse),
     {NULL, NULL, 0, NULL},
 };
 

@@ -2,8 +2,8 @@
 
 With the columns of P and Q interleaved by their position along the curve, the square matrix [P | Q]
 is banded (five diagonals on either side), so one step costs O(n) with an LU factor that is kept for
-each level. The scheme is exact for cubic end-interpolating wavelets, which have no finite analysis
-filters (Finkelstein-Salesin 1994, section 3.2).
+each level, or for all. The scheme is exact for cubic end-interpolating wavelets, which have no
+finite analysis filters (Finkelstein-Salesin 1994, section 3.2).
 """
 
 from __future__ import annotations
@@ -21,15 +21,23 @@ from multirep.representations.wavelet.filters import (
     point_count,
     refine_uniform,
 )
+from multirep.splines import compiled
 from multirep.splines.arrays import IntArray
 
 __all__ = ["MAX_LEVEL", "analyse"]
 
-#: The finest level that is analysed: a million spans, some 70 ms with all coarser levels; each
+#: The finest level that is analysed: a million spans, some 50 ms with all coarser levels; each
 #: level more doubles time and memory.
 MAX_LEVEL = 20
-#: From this level on filters are faster than the stored factor.
+#: Diagonals of [P | Q] on either side.
+BANDS = 5
+#: In numpy filters are faster than the stored factor from this level on.
 ELIMINATED = 13
+#: The compiled core has the factors of this level serve all above.
+REPEATED = 8
+#: From this row on, down to the ends of the curve, two rows of the factors take turns: the ends no
+#: longer matter, to the last bit.
+_TURNS = 128
 
 
 def analyse(points: Array) -> tuple[Array, Array]:
@@ -50,9 +58,10 @@ def analyse(points: Array) -> tuple[Array, Array]:
 
     Notes
     -----
-    O(n) by LAPACK gbtrs, with a factor that is made once for each level; on high levels by
-    `multirep.representations.wavelet.elimination`, which needs none. The condition number of
-    [P | Q] is below 12 at every level.
+    O(n). In the compiled core by the triangular factors of [P | Q], whose rows repeat away from the
+    ends, so that those of level 8 serve all above; otherwise by LAPACK gbtrs, with a factor that is
+    made once for each level, and on high levels by `multirep.representations.wavelet.elimination`,
+    which needs none. The condition number of [P | Q] is below 12 at every level.
 
     Examples
     --------
@@ -65,13 +74,20 @@ def analyse(points: Array) -> tuple[Array, Array]:
     level = level_of(len(points))
     if not 1 <= level <= MAX_LEVEL:
         raise ValueError(f"analysis is offered for levels 1 to {MAX_LEVEL}, got {level}")
+    if compiled.active:
+        spans = len(points) // 2 - 1
+        details = np.empty((spans, points.shape[1]))
+        coarse = np.empty((spans + 3, points.shape[1]))
+        rows = _triangles(min(level, REPEATED))
+        compiled.core.analyse(points, rows, min(_TURNS, len(rows) - 2), coarse, details)
+        return coarse, details
     if level >= ELIMINATED:
         return eliminated(points)
     from scipy.linalg.lapack import dgbtrs
 
     factor, pivots, bands = _factor(level)
     solution, _ = dgbtrs(factor, bands, bands, points, pivots)
-    coarse: Array = np.concatenate((solution[:1], solution[1:-1:2], solution[-1:]))
+    coarse = np.concatenate((solution[:1], solution[1:-1:2], solution[-1:]))
     return coarse, solution[2:-2:2].copy()
 
 
@@ -80,8 +96,45 @@ def _factor(level: int) -> tuple[Array, IntArray, int]:
     """LU factor of the interleaved [P | Q] from ``level - 1`` to ``level``, pivots, bandwidth."""
     from scipy.linalg.lapack import dgbtrf
 
+    matrix, bands = _interleaved(level)
+    factor, pivots, info = dgbtrf(matrix, bands, bands, overwrite_ab=1)
+    if info:
+        raise InvariantError(f"[P | Q] of level {level} is singular", info)
+    for array in (factor, pivots):
+        array.setflags(write=False)
+    return factor, pivots, bands
+
+
+@cache
+def _triangles(level: int) -> Array:
+    """Rows (n, 11) of the factors L and U without pivots, which [P | Q] can do without.
+
+    No entry grows beyond 5.5. Five of L, the inverse of the pivot, five of U.
+    """
+    matrix, bands = _interleaved(level)
+    count = matrix.shape[1]
+    # Entry (i, j) stands in column j, in this row less j plus i.
+    middle = 2 * bands
+    below = slice(middle + 1, None)
+    for k in range(count):
+        matrix[below, k] /= matrix[middle, k]
+        for j in range(1, min(bands, count - 1 - k) + 1):
+            down = slice(middle + 1 - j, middle + 1 - j + bands)
+            matrix[down, k + j] -= matrix[below, k] * matrix[middle - j, k + j]
+    rows = np.zeros((count, 2 * BANDS + 1))
+    for offset in range(-bands, bands + 1):
+        first, stop = max(0, -offset), count - max(0, offset)
+        columns = slice(first + offset, stop + offset)
+        rows[first:stop, BANDS + offset] = matrix[middle - offset, columns]
+    rows[:, BANDS] = 1.0 / rows[:, BANDS]
+    rows.setflags(write=False)
+    return rows
+
+
+def _interleaved(level: int) -> tuple[Array, int]:
+    """Return [P | Q] from ``level - 1`` to ``level`` in band storage, and its bands on a side."""
     count = point_count(level)
-    bands = min(5, count - 1)
+    bands = min(BANDS, count - 1)
     matrix = np.zeros((3 * bands + 1, count))
     coarse = point_count(level - 1)
     places = np.maximum(2 * np.arange(coarse) - 1, 0)
@@ -93,12 +146,7 @@ def _factor(level: int) -> tuple[Array, IntArray, int]:
     probes = np.zeros((count, 6))
     add_details(probes, np.eye(6)[colours])
     _fill(matrix, bands, 2 * np.arange(coarse - 3) + 2, probes, colours)
-    factor, pivots, info = dgbtrf(matrix, bands, bands, overwrite_ab=1)
-    if info:
-        raise InvariantError(f"[P | Q] of level {level} is singular", info)
-    for array in (factor, pivots):
-        array.setflags(write=False)
-    return factor, pivots, bands
+    return matrix, bands
 
 
 def _fill(matrix: Array, bands: int, places: IntArray, probes: Array, colours: IntArray) -> None:

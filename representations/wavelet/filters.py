@@ -13,15 +13,19 @@ peak of its wavelet, at every level alike.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import cache
 
 import numpy as np
 
 from multirep.arrays import Array
+from multirep.splines import compiled
 
 __all__ = [
     "add_details",
+    "column_table",
     "columns",
+    "end_rows",
     "level_of",
     "point_count",
     "refine_uniform",
@@ -89,10 +93,11 @@ END_NORMS: dict[int, tuple[float, ...]] = {
 INTERIOR_NORM = 675221664 / 5
 
 #: The first rows of a refined curve as combinations of the first control points, by the number of
-#: coarse spans (4 stands for 3 and more); the last rows mirror them.
+#: coarse spans (3 stands for all above); the last rows mirror them.
 _END_ROWS: dict[int, tuple[tuple[float, ...], ...]] = {
+    1: ((1.0,), (1 / 2, 1 / 2), (0.0, 1 / 2, 1 / 2)),
     2: ((1.0,), (1 / 2, 1 / 2), (0.0, 3 / 4, 1 / 4), (0.0, 3 / 16, 10 / 16, 3 / 16)),
-    4: ((1.0,), (1 / 2, 1 / 2), (0.0, 3 / 4, 1 / 4), (0.0, 3 / 16, 11 / 16, 2 / 16)),
+    3: ((1.0,), (1 / 2, 1 / 2), (0.0, 3 / 4, 1 / 4), (0.0, 3 / 16, 11 / 16, 2 / 16)),
 }
 
 
@@ -151,21 +156,46 @@ def refine_uniform(points: Array) -> Array:
     """
     coarse = len(points) - 3
     refined = np.empty((2 * coarse + 3, points.shape[1]))
-    if coarse == 1:
-        refined[0], refined[4] = points[0], points[3]
-        refined[1:4] = 0.5 * (points[:3] + points[1:])
+    if compiled.active:
+        compiled.core.refine_uniform(points, end_rows(coarse), refined)
         return refined
-    rows = _END_ROWS[2 if coarse == 2 else 4]
     if coarse > 2:
         refined[4:-4:2] = 0.5 * (points[2:-3] + points[3:-2])
         inner = points[3:-3]
         refined[5:-5:2] = 0.125 * (points[2:-4] + 6.0 * inner + points[4:-2])
-    for row, weights in enumerate(rows):
-        # Mirrored first: with two spans the rows 3 from both ends are one.
-        size = len(weights)
-        refined[-1 - row] = np.asarray(weights) @ points[: -size - 1 : -1]
-        refined[row] = np.asarray(weights) @ points[:size]
+    for row, weights in enumerate(end_rows(coarse)):
+        # Mirrored first: with one or two spans the last of these rows is in the middle.
+        refined[-1 - row] = weights @ points[:-5:-1]
+        refined[row] = weights @ points[:4]
     return refined
+
+
+def end_rows(spans: int) -> Array:
+    """Return the first rows of P, (3 or 4, 4), for any number of spans; the last mirror them.
+
+    Examples
+    --------
+    >>> end_rows(8)
+    array([[1.    , 0.    , 0.    , 0.    ],
+           [0.5   , 0.5   , 0.    , 0.    ],
+           [0.    , 0.75  , 0.25  , 0.    ],
+           [0.    , 0.1875, 0.6875, 0.125 ]])
+    """
+    return _padded_rows(min(spans, 3))
+
+
+@cache
+def _padded_rows(spans: int) -> Array:
+    return _padded([np.array(row) for row in _END_ROWS[spans]], 4)
+
+
+def _padded(rows: Sequence[Array], width: int) -> Array:
+    """Stack rows, with zeros behind the shorter ones."""
+    table = np.zeros((len(rows), width))
+    for line, row in zip(table, rows, strict=True):
+        line[: len(row)] = row
+    table.setflags(write=False)
+    return table
 
 
 @cache
@@ -201,8 +231,26 @@ def columns(level: int) -> tuple[tuple[Array, ...], Array]:
     return ends, interior
 
 
-def add_details(points: Array, details: Array) -> None:
-    """Add Q d to the control points of the finer level, in place.
+@cache
+def column_table(kind: int) -> Array:
+    """Return the columns at the left end and the interior one below, padded to eleven entries.
+
+    Parameters
+    ----------
+    kind : int
+        The finer level; 4 for all above.
+
+    Examples
+    --------
+    >>> [column_table(kind).shape for kind in (1, 2, 3, 4)]
+    [(2, 11), (2, 11), (3, 11), (4, 11)]
+    """
+    ends, interior = columns(kind)
+    return _padded([*ends, interior], len(INTERIOR))
+
+
+def add_details(points: Array, details: Array, share: float = 1.0) -> None:
+    """Add Q d, or a share of it, to the control points of the finer level, in place.
 
     Parameters
     ----------
@@ -210,6 +258,8 @@ def add_details(points: Array, details: Array) -> None:
         Control points of level j >= 1, changed.
     details : (2**(j-1), d) array
         Details in units of their peak.
+    share : float, optional
+        A factor.
 
     Notes
     -----
@@ -223,7 +273,13 @@ def add_details(points: Array, details: Array) -> None:
     array([ 2., -4.,  6., -4.,  2.])
     """
     count = len(details)
-    ends, interior = columns(level_of(len(points)))
+    level = level_of(len(points))
+    if compiled.active and points.flags.c_contiguous:
+        compiled.core.add_details(details, column_table(min(level, 4)), share, points)
+        return
+    if share != 1.0:
+        details = share * details
+    ends, interior = columns(level)
     if count == 1:
         points += ends[0][:, None] * details
         return

@@ -64,7 +64,8 @@ class Pyramid:
 
         Notes
         -----
-        O(points); 16 levels of 65 539 points in about 7 ms, 20 levels of a million in 100 ms.
+        O(points); 16 levels of 65 539 points in about 2.5 ms, 20 levels of a million in 50 ms;
+        without the compiled core 5 ms and 65 ms.
         """
         coarse: Array = np.array(points, dtype=np.float64)
         # column by column: numpy is slow down the columns of a narrow array
@@ -111,8 +112,7 @@ class Pyramid:
         points = np.array(self.coarse)
         for step in range(math.ceil(level)):
             points = refine_uniform(points)
-            share = min(1.0, level - step)
-            add_details(points, self.details[step] if share == 1.0 else share * self.details[step])
+            add_details(points, self.details[step], min(1.0, level - step))
         points += self.centre
         return points
 

@@ -6,6 +6,7 @@ import numpy as np
 
 from multirep.arrays import Array
 from multirep.errors import InvariantError
+from multirep.representations.wavelet.filters import point_count
 from multirep.representations.wavelet.graded import Graded, clamped
 from multirep.splines.basis import basis_functions
 from multirep.splines.evaluation import evaluate
@@ -44,7 +45,10 @@ def uniform_points(curve: Graded, level: int) -> Array:
     >>> uniform_points(line, 1)[1:, 0].round(12)
     array([0.16666667, 0.5       , 0.83333333, 1.        ])
     """
-    u, points = np.asarray(curve.u), np.asarray(curve.points)
+    points = np.asarray(curve.points)
+    if curve.level <= level and len(points) == point_count(level):
+        return points  # as many distinct knots as the level has
+    u = np.asarray(curve.u)
     knots = clamped(np.arange((1 << level) + 1) / (1 << level))
     if curve.level <= level:
         return refine(u, points, 3, knots)

@@ -24,7 +24,14 @@ from multirep.representations.polyline.differences import _between_common
 from multirep.representations.polyline.sampling import _corners
 from multirep.representations.polyline.simplification import simplify
 from multirep.representations.wavelet import attempt, prediction
+from multirep.representations.wavelet.analysis import analyse
 from multirep.representations.wavelet.dyadic import halves, level_counts
+from multirep.representations.wavelet.filters import (
+    add_details,
+    column_table,
+    end_rows,
+    refine_uniform,
+)
 from multirep.representations.wavelet.target import Target
 from multirep.sampled import SampledSplice, interpolate
 from multirep.splines import compiled, evaluate, sampling
@@ -495,6 +502,41 @@ def test_courses_and_targets_are_the_same(line: Line, eighths: int) -> None:
         assert np.abs(fast.widths - pure.widths).max(initial=0.0) <= 1e-12
 
 
+@pytest.mark.parametrize("level", [*range(1, 10), 13])
+@pytest.mark.parametrize("scale", [1.0, 1e-12, 1e12])
+def test_curves_are_analysed_alike(level: int, scale: float) -> None:
+    """Coarse points and details of any dimension agree with the solves that pivot, or filter."""
+    for d in (1, 2, 4):
+        points = np.random.default_rng(level).normal(size=((1 << level) + 3, d)) * scale
+        fast, pure = both(lambda points=points: analyse(points))
+        for one, two in zip(fast, pure, strict=True):
+            assert one.shape == two.shape
+            assert np.abs(one - two).max() <= 1e-14 * np.abs(points).max()
+
+
+@given(st.integers(1, 40), st.integers(1, 4), seeds)
+def test_uniform_curves_are_refined_alike(spans: int, d: int, seed: int) -> None:
+    """Any number of spans; integers on a grid to the last bit."""
+    points = np.random.default_rng(seed).integers(-640, 641, (spans + 3, d)) / 64
+    fast, pure = both(lambda: refine_uniform(points))
+    assert same(fast, pure)
+
+
+@given(st.integers(0, 6), st.integers(1, 4), seeds, st.sampled_from([0.0, 0.25, 1.0]))
+def test_details_are_added_alike(level: int, d: int, seed: int, share: float) -> None:
+    """All of them or a share, on every level with columns of its own and above."""
+    rng = np.random.default_rng(seed)
+    details, points = rng.normal(size=(1 << level, d)), rng.normal(size=((2 << level) + 3, d))
+
+    def added() -> Array:
+        found = points.copy()
+        add_details(found, details, share)
+        return found
+
+    fast, pure = both(added)
+    assert np.abs(fast - pure).max() <= 32 * EPS * max(np.abs(points).max(), np.abs(details).max())
+
+
 @given(polylines(), seeds)
 def test_common_vertices_are_the_same(line: Line, seed: int) -> None:
     """Vertices moved, taken out, all of them others."""
@@ -557,6 +599,18 @@ def test_what_does_not_fit_is_refused() -> None:
         call.sample(knots, points[:2], 2, False, 0.0, 1.0, 1.0)
     with pytest.raises(ValueError, match="two vertices"):
         call.polyline_rows(knots, 2, t, points[:1], 3, np.empty(9), points, t)
+    with pytest.raises(ValueError, match="become 2 m \\+ 3"):
+        call.refine_uniform(np.zeros((4, 2)), end_rows(1), np.empty((7, 2)))
+    with pytest.raises(ValueError, match="first rows"):
+        call.refine_uniform(points, end_rows(1), np.empty((3, 2)))
+    with pytest.raises(ValueError, match="columns of eleven"):
+        call.add_details(np.zeros((4, 2)), column_table(1), 1.0, np.zeros((11, 2)))
+    with pytest.raises(ValueError, match="take m details"):
+        call.add_details(np.zeros((4, 2)), column_table(3), 1.0, np.zeros((13, 2)))
+    with pytest.raises(ValueError, match="two of them to be repeated"):
+        call.analyse(np.zeros((7, 1)), np.ones((5, 11)), 4, np.empty((5, 1)), np.empty((2, 1)))
+    with pytest.raises(ValueError, match="m \\+ 3 and m details"):
+        call.analyse(np.zeros((7, 1)), np.ones((5, 11)), 0, np.empty((5, 1)), np.empty((3, 1)))
     with pytest.raises(TypeError, match="array of format d"):
         call.find_spans(knots.astype(np.float32), 2, t, spans)
     with pytest.raises(TypeError, match="expected 2 arguments"):

@@ -10,6 +10,8 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from multirep.errors import EditError
+from multirep.representations import WaveletBSpline
+from multirep.representations.wavelet import uniform
 from multirep.representations.wavelet.analysis import MAX_LEVEL, analyse
 from multirep.representations.wavelet.elimination import eliminated
 from multirep.representations.wavelet.filters import (
@@ -85,11 +87,29 @@ def test_sixteen_levels_come_back_within_rounding(kind):
 
 @pytest.mark.parametrize("level", [8, 9, 11])
 def test_elimination_is_the_banded_solve(level):
-    """Without a stored factor the same coarse points and details come out, up to rounding."""
+    """Without a stored factor the same coarse points and details come out, up to rounding.
+
+    The banded solve is that of numpy or of the compiled core, whichever is active.
+    """
     points = np.random.default_rng(level).normal(size=(2**level + 3, 3)).cumsum(axis=0)
     size = np.abs(points).max()
     for one, two in zip(analyse(points), eliminated(points), strict=True):
         assert np.abs(one - two).max() <= 1e-14 * size
+
+
+def test_uniform_curves_are_analysed_as_they_are(monkeypatch):
+    """The control points of the asked level are there already: no knot is inserted."""
+
+    def refused(*_):
+        raise AssertionError("a knot was to be inserted")
+
+    points = np.random.default_rng(5).normal(size=(2**6 + 3, 2))
+    curve = WaveletBSpline(points)
+    monkeypatch.setattr(uniform, "refine", refused)
+    assert (np.asarray(uniform.uniform_points(curve._graded, 6)) == points).all()
+    assert np.abs(curve.pyramid().control_points() - points).max() <= 1e-14
+    with pytest.raises(AssertionError, match="knot"):
+        curve.pyramid(7)
 
 
 def test_levels_beyond_the_stored_factors():
