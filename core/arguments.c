@@ -80,7 +80,8 @@ static void *opened(Call *call, PyObject *array, int flags, const char *formats,
         return NULL;
     }
     call->opened++;
-    if (found->itemsize != 8 || !found->format || !strchr(formats, found->format[0])) {
+    if (found->itemsize != 8 || !found->format || !found->format[0] ||
+        !strchr(formats, found->format[0])) {
         PyErr_Format(PyExc_TypeError, "expected an array of format %s, got %s", formats,
                      found->format ? found->format : "bytes");
         call->failed = 1;
@@ -106,7 +107,9 @@ static Table table(Call *call, PyObject *array, int flags)
     Table found = {at, view->ndim ? view->shape[0] : 1, 1};
     for (int axis = 1; axis < view->ndim; axis++)
         found.columns *= view->shape[axis];
-    return found;
+    /* Rows that are counted can be read: their first column at least. */
+    expect(call, !found.rows || found.columns, "an array has rows without columns");
+    return call->failed ? none : found;
 }
 
 Table reals(Call *call, PyObject *array) { return table(call, array, PyBUF_FULL_RO); }
@@ -168,4 +171,16 @@ PyObject *pair_of(Call *call, PyObject *first, PyObject *second)
     Py_XDECREF(second);
     call->failed |= !pair;
     return pair;
+}
+
+PyObject *numbers(Call *call, const double *at, Index count)
+{
+    PyObject *list = call->failed ? NULL : PyList_New(0);
+    call->failed |= !list;
+    for (Index i = 0; !call->failed && i < count; i++) {
+        PyObject *number = PyFloat_FromDouble(at[i]);
+        call->failed |= !number || PyList_Append(list, number) < 0;
+        Py_XDECREF(number);
+    }
+    return list;
 }

@@ -10,7 +10,7 @@ see multirep.splines.basis and multirep.splines.polar for sources and for the re
 Spline spline_of(Call *call, Table knots, Table coefficients, Index degree)
 {
     Spline spline = {knots.at, coefficients.at, degree, 0, coefficients.columns, 0, 0};
-    expect(call, degree >= 0 && knots.rows > 2 * degree + 1 && knots.columns == 1,
+    expect(call, degree >= 0 && degree <= (knots.rows - 2) / 2 && knots.columns == 1,
            "a spline needs 2 p + 2 knots or more");
     expect(call, !coefficients.at || coefficients.rows == knots.rows - degree - 1,
            "a spline needs n + p + 1 knots for n coefficients");
@@ -26,28 +26,25 @@ Spline spline_of(Call *call, Table knots, Table coefficients, Index degree)
     return spline;
 }
 
+Spline perhaps_rational(Call *call, PyObject *const *values, int *rational)
+{
+    Table knots = reals(call, values[0]), coefficients = reals(call, values[1]);
+    Spline spline = spline_of(call, knots, coefficients, integer(call, values[2]));
+    *rational = integer(call, values[3]) != 0;
+    expect(call, spline.degree >= 1 && spline.dimension >= 1 + *rational, "no such spline");
+    return spline;
+}
+
 /* k with knots[k] <= t < knots[k + 1], or the first or last span of the domain. */
 Index span_of(const Spline *spline, double t)
 {
-    Index low = spline->first, high = spline->last;
-    while (low < high) {
-        Index middle = low + (high - low + 1) / 2;
-        if (spline->knots[middle] <= t)
-            low = middle;
-        else
-            high = middle - 1;
-    }
-    return low;
+    return bisected(spline->knots, spline->first, spline->last, t);
 }
 
 /* The same, walking on from the span of a parameter that was not larger. */
 Index walked(const Spline *spline, Index span, double t)
 {
-    if (t < spline->knots[span])
-        return span_of(spline, t);
-    while (span < spline->last && spline->knots[span + 1] <= t)
-        span++;
-    return span;
+    return interval_at(spline->knots, spline->first, spline->last, span, t);
 }
 
 /* The p + 1 basis functions that do not vanish on a span, given its local knots. */

@@ -1,7 +1,6 @@
 /* Which rows of two arrays have the same bits, which spans of two splines read the same. */
 #include "core.h"
 
-#include <math.h>
 #include <string.h>
 
 METHOD(core_common)
@@ -97,29 +96,4 @@ METHOD(core_changed_spans)
         }
     }
     return finish(&call, found);
-}
-
-METHOD(core_level_counts)
-{
-    /* numbers k / 2**l in [0, 1], counts (levels,): how many have an odd k for each l */
-    Call call;
-    begin(&call, count, 2);
-    if (call.failed)
-        return finish(&call, NULL);
-    Table u = reals(&call, values[0]);
-    Slots counts = slots(&call, values[1]);
-    for (Index level = 0; level < counts.rows; level++)
-        counts.at[level] = 0;
-    for (Index i = 0; !call.failed && i < u.rows; i++) {
-        double scaled = u.at[i];
-        Index level = 0;
-        while (level < counts.rows && scaled != floor(scaled)) {
-            scaled *= 2.0;
-            level++;
-        }
-        expect(&call, level < counts.rows, "a knot is not dyadic");
-        if (!call.failed)
-            counts.at[level]++;
-    }
-    return finish(&call, Py_NewRef(Py_None));
 }

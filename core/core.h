@@ -63,6 +63,47 @@ void drop(Call *call, int held, void *const *wanted, int count);
 /* A new bytearray of numbers, to be read by numpy.frombuffer, and a pair of such. */
 PyObject *bytes_of(const void *numbers, Index size);
 PyObject *pair_of(Call *call, PyObject *first, PyObject *second);
+/* A list of numbers, for few of them. */
+PyObject *numbers(Call *call, const double *at, Index count);
+
+/* -- small things ------------------------------------------------------------------------------ */
+
+static inline double larger(double a, double b) { return a > b ? a : b; }
+static inline double smaller(double a, double b) { return a < b ? a : b; }
+/* The larger one in a proof: what is no number stays. */
+static inline double worse(double a, double b) { return a >= b || a != a ? a : b; }
+static inline Index at_least(Index a, Index b) { return a > b ? a : b; }
+static inline Index at_most(Index a, Index b) { return a < b ? a : b; }
+static inline double squared_norm(const double *row, Index dimension)
+{
+    double sum = 0.0;
+    for (Index c = 0; c < dimension; c++)
+        sum += row[c] * row[c];
+    return sum;
+}
+
+/* The last j of low .. high with at[j] <= x, or else low; at ascends. */
+static inline Index bisected(const double *at, Index low, Index high, double x)
+{
+    while (low < high) {
+        Index middle = low + (high - low + 1) / 2;
+        if (at[middle] <= x)
+            low = middle;
+        else
+            high = middle - 1;
+    }
+    return low;
+}
+
+/* The same, walking on from an earlier one if it is near. */
+static inline Index interval_at(const double *at, Index low, Index high, Index from, double x)
+{
+    if (x < at[from] || (high - from >= 8 && x >= at[from + 8]))
+        return bisected(at, low, high, x);
+    while (from < high && at[from + 1] <= x)
+        from++;
+    return from;
+}
 
 /* -- basis.c: spans, basis functions, polar forms ---------------------------------------------- */
 
@@ -74,6 +115,8 @@ typedef struct {
 } Spline;
 
 Spline spline_of(Call *call, Table knots, Table coefficients, Index degree);
+/* Of the first four arguments: knots, coefficients, degree, whether the last column is a weight. */
+Spline perhaps_rational(Call *call, PyObject *const *values, int *rational);
 Index span_of(const Spline *spline, double t);
 Index walked(const Spline *spline, Index span, double t);
 /* The 2p knots k - p + 1 .. k + p that the functions of span k depend on. */
@@ -98,8 +141,8 @@ void bernstein_net(const Spline *spline, Index span, double start, double stop, 
 /* A proof under way. */
 typedef struct {
     Spline spline;
-    int rational, splits;
-    Index d;             /* dimension of points */
+    int rational;
+    Index splits, d;     /* dimension of points */
     double unit;         /* rounding, but for the ratio of the weights of a cell */
     Index cell;          /* the span that `slack` and `second` are about */
     double slack;
@@ -118,7 +161,7 @@ typedef struct {
 double rounding_unit(const Spline *spline, int rational, double start, double stop,
                      const Table *points, int tables);
 void second_derivatives(const Spline *spline, Index span, double *second);
-Proof proof_of(Call *call, Spline spline, int rational, int splits);
+Proof proof_of(Call *call, Spline spline, int rational, Index splits);
 void enter_cell(Proof *proof, Index span);
 /* Without limits all chords get the sharp bound, else those that a cheaper one leaves above theirs;
 one limit may serve all. */
@@ -142,6 +185,26 @@ Density corrected_density(Call *call, Density *density, Index chords, const doub
 double sum_at(Density *density, double t);
 /* The starts of so many chords of equal shares between two sums; the first starts at `begin`. */
 void lay_out(Density *density, double begin, double from, double to, Index chords, double *t);
+
+/* -- target.c: what a wavelet fit follows ------------------------------------------------------ */
+
+/* A polyline about an origin: parameters (m + 1,), vertices (d, m + 1), slopes (d, m). */
+typedef struct {
+    Table t, points, slopes;
+    Index chords, d;
+} Target;
+
+Target target_of(Call *call, PyObject *const *values);
+/* The chord of a parameter, walking on from another one; a vertex belongs to the next. */
+static inline Index chord_at(const Target *target, Index chord, double t)
+{
+    return interval_at(target->t.at, 0, target->chords - 1, chord, t);
+}
+static inline double value_at(const Target *target, Index chord, double t, Index c)
+{
+    return target->slopes.at[c * target->chords + chord] * (t - target->t.at[chord]) +
+           target->points.at[c * (target->chords + 1) + chord];
+}
 
 /* -- banded.c: symmetric banded systems -------------------------------------------------------- */
 
@@ -177,17 +240,5 @@ METHOD(core_level_counts);
 METHOD(core_refine_uniform);
 METHOD(core_add_details);
 METHOD(core_analyse);
-
-static inline double larger(double a, double b) { return a > b ? a : b; }
-static inline double smaller(double a, double b) { return a < b ? a : b; }
-static inline Index at_least(Index a, Index b) { return a > b ? a : b; }
-static inline Index at_most(Index a, Index b) { return a < b ? a : b; }
-static inline double squared_norm(const double *row, Index dimension)
-{
-    double sum = 0.0;
-    for (Index c = 0; c < dimension; c++)
-        sum += row[c] * row[c];
-    return sum;
-}
 
 #endif

@@ -128,24 +128,6 @@ Density density_of(Call *call, const Spline *spline, int rational, double start,
     return density;
 }
 
-/* j with at[j] <= x < at[j + 1], walking on from an earlier one; the first or last interval outside. */
-static Index interval_of(const double *at, Index count, Index j, double x)
-{
-    Index low = 0, high = count - 2;
-    if (at[j] <= x && (j == high || x < at[j + 1]))
-        return j;
-    if (at[j] <= x && (j + 1 == high || x < at[j + 2]))
-        return j + 1;
-    while (low < high) {
-        Index middle = low + (high - low + 1) / 2;
-        if (at[middle] <= x)
-            low = middle;
-        else
-            high = middle - 1;
-    }
-    return low;
-}
-
 /* The piecewise linear function through (x, y) on an interval, constant beyond its ends. */
 static double between(const double *x, const double *y, Index j, double t)
 {
@@ -158,7 +140,7 @@ static double between(const double *x, const double *y, Index j, double t)
 
 double sum_at(Density *density, double t)
 {
-    density->node = interval_of(density->nodes, density->cells + 1, density->node, t);
+    density->node = interval_at(density->nodes, 0, density->cells - 1, density->node, t);
     return between(density->nodes, density->sums, density->node, t);
 }
 
@@ -168,7 +150,7 @@ void lay_out(Density *density, double begin, double from, double to, Index chord
     t[0] = begin;
     for (Index part = 1; part < chords; part++) {
         double wanted = (double)part * step + from;
-        density->sum = interval_of(density->sums, density->cells + 1, density->sum, wanted);
+        density->sum = interval_at(density->sums, 0, density->cells - 1, density->sum, wanted);
         t[part] = between(density->sums, density->nodes, density->sum, wanted);
     }
 }

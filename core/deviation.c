@@ -22,11 +22,11 @@ double rounding_unit(const Spline *spline, int rational, double start, double st
     for (Index i = first - spline->degree; i <= last; i++) {
         const double *row = spline->coefficients + i * all;
         for (Index c = 0; c < d; c++)
-            largest = larger(fabs(rational ? row[c] / row[d] : row[c]), largest);
+            largest = worse(largest, fabs(rational ? row[c] / row[d] : row[c]));
     }
     for (int k = 0; k < tables; k++)
         for (Index i = 0; i < points[k].rows * points[k].columns; i++)
-            largest = larger(fabs(points[k].at[i]), largest);
+            largest = worse(largest, fabs(points[k].at[i]));
     return (8 * (double)spline->degree + 16) * DBL_EPSILON * sqrt((double)d) * largest;
 }
 
@@ -70,7 +70,7 @@ void enter_cell(Proof *proof, Index span)
 
 /* Largest squared norm of Bernstein coefficients (over the squared weight), after halving the
 interval so many times; `net` is overwritten, `room` has a net for each halving. */
-static double hull(double *net, Index size, Index d, int rational, int splits, double *room)
+static double hull(double *net, Index size, Index d, int rational, Index splits, double *room)
 {
     Index all = d + rational;
     if (!splits) {
@@ -80,8 +80,7 @@ static double hull(double *net, Index size, Index d, int rational, int splits, d
             double square = squared_norm(row, d);
             if (rational)
                 square /= row[d] * row[d];
-            if (!(square <= largest))
-                largest = square;
+            largest = worse(largest, square);
         }
         return largest;
     }
@@ -93,11 +92,11 @@ static double hull(double *net, Index size, Index d, int rational, int splits, d
     }
     double left = hull(room, size, d, rational, splits - 1, room + size * all);
     double right = hull(net, size, d, rational, splits - 1, room + size * all);
-    return left >= right || left != left ? left : right;
+    return worse(left, right);
 }
 
 /* The bound from Bernstein coefficients of the difference, which for a rational is E = A - w L. */
-static double bernstein_bound(Proof *proof, Index span, double start, double stop, int splits)
+static double bernstein_bound(Proof *proof, Index span, double start, double stop, Index splits)
 {
     const Spline *spline = &proof->spline;
     Index p = spline->degree, d = proof->d, all = spline->dimension;
@@ -136,7 +135,7 @@ static double curvature_bound(Proof *proof, double start, double stop, double be
     const Spline *spline = &proof->spline;
     Index d = proof->d;
     if (spline->degree == 1)
-        return larger(before, after);
+        return worse(before, after);
     double half = (stop - start) / 2, scale = half * half / 2, odd = 0.0, even = 0.0;
     double left = spline->knots[proof->cell], width = spline->knots[proof->cell + 1] - left;
     const double *at_left = proof->second, *at_right = at_left + d;
@@ -164,10 +163,9 @@ static double off(Proof *proof, Index span, double t, const double *line)
     return sqrt(sum);
 }
 
-Proof proof_of(Call *call, Spline spline, int rational, int splits)
+Proof proof_of(Call *call, Spline spline, int rational, Index splits)
 {
-    expect(call, spline.degree >= 1 && spline.dimension > rational && splits >= 0 && splits < 64,
-           "no such spline");
+    expect(call, splits >= 0 && splits < 64, "a piece is halved 0 to 63 times");
     Index d = spline.dimension - rational, net = (spline.degree + 2) * spline.dimension;
     Proof proof = {spline, rational, splits, d, 0.0, -1, 0.0, scratch(call, 2 * d),
                    scratch(call, net * (splits + 1)), scratch(call, net), scratch(call, d),
@@ -220,8 +218,7 @@ void prove_chords(Proof *proof, const Chords *chords, const double *limits, Inde
                     bound = smaller(bound, sharper + proof->slack);
                 }
             }
-            if (!(bound <= largest))
-                largest = bound;
+            largest = worse(largest, bound);
             if (ending)
                 break;
             memcpy(proof->low, proof->high, point);
@@ -243,12 +240,11 @@ METHOD(core_chord_bounds)
     begin(&call, count, 12);
     if (call.failed)
         return finish(&call, NULL);
-    Table knots = reals(&call, values[0]), coefficients = reals(&call, values[1]);
-    Spline spline = spline_of(&call, knots, coefficients, integer(&call, values[2]));
-    int rational = integer(&call, values[3]) != 0, inscribed = integer(&call, values[8]) != 0;
+    int rational, inscribed = integer(&call, values[8]) != 0;
+    Spline spline = perhaps_rational(&call, values, &rational);
     Table starts = reals(&call, values[4]), stops = reals(&call, values[5]);
     Table ends[2] = {reals(&call, values[6]), reals(&call, values[7])};
-    Proof proof = proof_of(&call, spline, rational, (int)integer(&call, values[9]));
+    Proof proof = proof_of(&call, spline, rational, integer(&call, values[9]));
     Table allowance = reals(&call, values[10]), bounds = output(&call, values[11]);
     Index d = proof.d, m = starts.rows;
     expect(&call,
@@ -262,62 +258,4 @@ METHOD(core_chord_bounds)
         prove_chords(&proof, &chords, allowance.at, allowance.rows, bounds.at);
     }
     return finish(&call, Py_NewRef(Py_None));
-}
-
-METHOD(core_largest)
-{
-    /* coefficients, rational, points; returns the largest coordinate of control points or points */
-    Call call;
-    begin(&call, count, 3);
-    if (call.failed)
-        return finish(&call, NULL);
-    Table coefficients = reals(&call, values[0]), points = reals(&call, values[2]);
-    Index rational = integer(&call, values[1]) != 0, d = coefficients.columns - rational;
-    double largest = 0.0;
-    for (Index i = 0; !call.failed && i < coefficients.rows; i++) {
-        const double *row = coefficients.at + i * (d + rational);
-        for (Index c = 0; c < d; c++)
-            largest = larger(fabs(rational ? row[c] / row[d] : row[c]), largest);
-    }
-    for (Index i = 0; !call.failed && i < points.rows * points.columns; i++)
-        largest = larger(fabs(points.at[i]), largest);
-    return finish(&call, PyFloat_FromDouble(largest));
-}
-
-METHOD(core_cells)
-{
-    /* knots, degree, start, stop; returns the first and the last span between, and of those that are
-    not empty the breaks around them and their numbers, counted so that the first is the degree */
-    Call call;
-    begin(&call, count, 4);
-    if (call.failed)
-        return finish(&call, NULL);
-    Table knots = reals(&call, values[0]);
-    Spline spline = spline_of(&call, knots, (Table){NULL, 0, 0}, integer(&call, values[1]));
-    double start = real(&call, values[2]), stop = real(&call, values[3]);
-    if (call.failed)
-        return finish(&call, NULL);
-    const double *at = knots.at;
-    Index first = span_of(&spline, start), last = span_of(&spline, stop), cells = 0;
-    stop = smaller(stop, at[spline.count]);
-    while (last > first && !(at[last] < stop))
-        last--;
-    double *breaks = scratch(&call, last - first + 2);
-    Index *spans = index_scratch(&call, last - first + 1);
-    if (call.failed)
-        return finish(&call, NULL);
-    for (Index span = first; span <= last; span++)
-        if (at[span] < at[span + 1]) {
-            breaks[cells] = at[span];
-            spans[cells++] = span - first + spline.degree;
-        }
-    breaks[cells] = at[last + 1];
-    PyObject *grid = bytes_of(breaks, (cells + 1) * (Index)sizeof(double));
-    PyObject *numbers = bytes_of(spans, cells * (Index)sizeof(Index)), *found = NULL;
-    if (grid && numbers)
-        found = Py_BuildValue("nnOO", first, last, grid, numbers);
-    Py_XDECREF(grid);
-    Py_XDECREF(numbers);
-    call.failed = !found;
-    return finish(&call, found);
 }

@@ -309,7 +309,7 @@ METHOD(core_fit)
         worst.at[k] = 0.0;
         for (Index r = firsts.at[k]; r <= firsts.at[k + 1]; r++)
             /* so that a ratio that is no number stays seen */
-            worst.at[k] = ratios.at[r] <= worst.at[k] ? worst.at[k] : ratios.at[r];
+            worst.at[k] = worse(worst.at[k], ratios.at[r]);
     }
     return finish(&call, PyLong_FromSsize_t(found));
 }

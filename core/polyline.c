@@ -4,19 +4,6 @@
 #include <math.h>
 #include <string.h>
 
-/* A list of numbers, for few of them. */
-static PyObject *numbers(Call *call, const double *at, Index count)
-{
-    PyObject *list = call->failed ? NULL : PyList_New(0);
-    call->failed |= !list;
-    for (Index i = 0; !call->failed && i < count; i++) {
-        PyObject *number = PyFloat_FromDouble(at[i]);
-        call->failed |= !number || PyList_Append(list, number) < 0;
-        Py_XDECREF(number);
-    }
-    return list;
-}
-
 METHOD(core_interpolate)
 {
     /* t (m,), points (m, d), parameters, points there (.., d); at a vertex the vertex itself */
@@ -33,18 +20,7 @@ METHOD(core_interpolate)
     Index k = 0;
     for (Index i = 0; !call.failed && i < all; i++) {
         double here = at.at[i];
-        if (here < t.at[k] || (k + 8 <= last && here >= t.at[k + 8])) {
-            Index high = last;
-            for (k = 0; k < high;) {
-                Index middle = k + (high - k + 1) / 2;
-                if (t.at[middle] <= here)
-                    k = middle;
-                else
-                    high = middle - 1;
-            }
-        } else
-            while (k < last && t.at[k + 1] <= here)
-                k++;
+        k = interval_at(t.at, 0, last, k, here);
         const double *low = points.at + k * d, *high = low + d;
         double *point = found.at + i * d, u = (here - t.at[k]) / (t.at[k + 1] - t.at[k]);
         for (Index c = 0; c < d; c++)
@@ -220,50 +196,6 @@ METHOD(core_course)
     if (call.failed || !kinked)
         return finish(&call, Py_NewRef(Py_None));
     return finish(&call, with_middles(&call, t, points, heights.at, kink));
-}
-
-METHOD(core_target)
-{
-    /* t (m + 1,), points (m + 1, d), allowances (m,), two factors, points about the first one
-    (d, m + 1), slopes (d, m); returns parameters of corners, and how near their knots must be. See
-    multirep.representations.wavelet.target. */
-    Call call;
-    begin(&call, count, 7);
-    if (call.failed)
-        return finish(&call, NULL);
-    Table t = reals(&call, values[0]), points = reals(&call, values[1]);
-    Table allowances = reals(&call, values[2]);
-    double sharpness = real(&call, values[3]), share = real(&call, values[4]);
-    Table about = output(&call, values[5]), slopes = output(&call, values[6]);
-    Index d = points.columns, m = allowances.rows, found = 0;
-    expect(&call,
-           m >= 1 && t.rows == m + 1 && points.rows == m + 1 && about.rows == d &&
-               about.columns == m + 1 && slopes.rows == d && slopes.columns == m,
-           "each chord needs an allowance and a slope");
-    double *corners = scratch(&call, m), *widths = scratch(&call, m);
-    if (call.failed)
-        return finish(&call, NULL);
-    for (Index c = 0; c < d; c++) {
-        double *row = about.at + c * (m + 1), *slope = slopes.at + c * m;
-        for (Index i = 0; i <= m; i++)
-            row[i] = points.at[i * d + c] - points.at[c];
-        for (Index i = 0; i < m; i++)
-            slope[i] = (row[i + 1] - row[i]) / (t.at[i + 1] - t.at[i]);
-    }
-    for (Index i = 0; i + 1 < m; i++) {
-        double turn = 0.0;
-        for (Index c = 0; c < d; c++) {
-            double jump = slopes.at[c * m + i + 1] - slopes.at[c * m + i];
-            turn += jump * jump;
-        }
-        double sharp = sqrt(turn), room = smaller(allowances.at[i + 1], allowances.at[i]);
-        if (sharp * smaller(t.at[i + 2] - t.at[i + 1], t.at[i + 1] - t.at[i]) > room * sharpness) {
-            corners[found] = t.at[i + 1];
-            widths[found++] = room * (share / sharp);
-        }
-    }
-    PyObject *first = numbers(&call, corners, found), *second = numbers(&call, widths, found);
-    return finish(&call, pair_of(&call, first, second));
 }
 
 METHOD(core_between_common)

@@ -63,7 +63,7 @@ static void fix(Call *call, Task *task, double start, double stop)
     for (Index span = first; task->proof.rational && span <= last; span++)
         if (knots[span] < knots[span + 1]) {
             enter_cell(&task->proof, span);
-            task->worst = larger(task->proof.slack, task->worst);
+            task->worst = worse(task->worst, task->proof.slack);
         }
 }
 
@@ -229,9 +229,8 @@ METHOD(core_sample)
     begin(&call, count, 7);
     if (call.failed)
         return finish(&call, NULL);
-    Table knots = reals(&call, values[0]), coefficients = reals(&call, values[1]);
-    Spline spline = spline_of(&call, knots, coefficients, integer(&call, values[2]));
-    int rational = integer(&call, values[3]) != 0;
+    int rational;
+    Spline spline = perhaps_rational(&call, values, &rational);
     double start = real(&call, values[4]), stop = real(&call, values[5]);
     Task task = {proof_of(&call, spline, rational, SPLITS), real(&call, values[6]), 0.0, 0.0, NULL, 0};
     expect(&call, start < stop, "an interval is wanted");

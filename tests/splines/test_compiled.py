@@ -622,6 +622,77 @@ def test_what_does_not_fit_is_refused() -> None:
         call.find_spans(knots, 2, t, spans)
 
 
+def test_what_could_be_read_beyond_its_end_is_refused() -> None:
+    """Rows without columns, absurd degrees, ends and knots in the wrong order, empty intervals."""
+    knots, t = np.array([0, 0, 0, 1, 1, 1.0]), np.array([0.5])
+    call = compiled.core
+    with pytest.raises(ValueError, match="without columns"):
+        call.halves(t, t + 1.0, np.empty((1, 0)))
+    for degree in (-1, 2**62, 2**63 - 1):
+        with pytest.raises(ValueError, match="2 p \\+ 2 knots"):
+            call.find_spans(knots, degree, t, np.array([2]))
+    with pytest.raises(OverflowError):
+        call.find_spans(knots, 2**63, t, np.array([2]))
+    for start, stop in ((1.0, 0.0), (float("nan"), 1.0)):
+        with pytest.raises(ValueError, match="interval"):
+            call.cells(knots, 2, start, stop)
+    around, limits, nets = np.arange(3.0), np.ones(1), np.empty((4, 1, 2))
+    line = np.array([0.0, 0.5]), np.zeros((1, 2)), np.zeros((1, 1))
+    for x in ([0.0, 9.0, 0.5], [0.0, np.nan, 0.5], [0.0, 0.5, np.nan]):
+        fit = (around, np.array(x), around, 0, 5, np.zeros((1, 5)), nets, np.empty(2))
+        with pytest.raises(ValueError, match="ascend"):
+            call.attempt(*line, limits, *fit)
+
+
+@pytest.mark.parametrize("degree", [1, 3])
+@pytest.mark.parametrize("rational", [False, True])
+@pytest.mark.parametrize("allowance", [None, 1.0])
+def test_what_is_no_number_is_never_proved(
+    degree: int, rational: bool, allowance: float | None
+) -> None:
+    """A chord whose first piece has no bound has none, however good the next pieces are."""
+    knots = np.array([0.0] * degree + [0, 1, 2, 3, 4, 5] + [5.0] * degree)
+    coefficients = np.zeros((degree + 5, 1 + rational))
+    coefficients[:, -1] = 1.0
+    coefficients[0, 0] = np.nan
+    line = np.array([0.0, 4.5, 5.0]), np.ones((3, 1))
+    with np.errstate(invalid="ignore"):
+        fast, pure = both(
+            lambda: spline_chord_deviation(
+                knots, coefficients, degree, *line, rational=rational, splits=1, allowance=allowance
+            )
+        )
+    assert np.isnan(fast[0])
+    assert np.isnan(pure[0])
+
+
+def test_a_fit_that_is_no_number_proves_nothing() -> None:
+    """One control point that is none spoils the bound of all and the ratio of its own spans."""
+    t, zero = np.array([0.0, 1.0]), np.zeros(1)
+    points, nets, ratios = np.zeros((1, 6)), np.empty((4, 1, 3)), np.empty(3)
+    points[0, 0] = np.nan
+    x = np.array([0.0, 0.25, 0.5, 1.0])
+    bound = compiled.core.attempt(
+        *(t, np.zeros((1, 2)), zero[:, None], zero + 1.0, np.array([-3.0, -2.0, -1.0]), x),
+        *(np.array([2.0, 3.0, 4.0]), 6, 6, points, nets, ratios),
+    )
+    assert bound is not None
+    assert np.isnan(bound)
+    assert np.isnan(ratios[0])
+    assert (ratios[1:] == 0.0).all()
+
+
+def test_a_far_parameter_is_found_from_anywhere() -> None:
+    """To and fro between the ends of long knots and polylines, by bisection."""
+    knots = np.concatenate(([0.0] * 3, np.arange(1001.0), [1000.0] * 3))
+    t = np.array([999.5, 0.5, 1000.0, 3.0, 500.0, 8.0, 16.5, 0.0])
+    fast, pure = both(lambda: find_spans(knots, 3, t))
+    assert same(fast, pure)
+    line = np.arange(1001.0), np.arange(1001.0)[:, None]
+    fast, pure = both(lambda: interpolate(*line, t))
+    assert same(fast, pure)
+
+
 def test_arrays_may_lie_anywhere() -> None:
     """Strided, reversed, read-only: what is read need not lie row after row."""
     knots = np.array([0, 0, 0, 1, 2, 2, 2.0])

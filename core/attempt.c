@@ -1,7 +1,7 @@
-/* One attempt of a wavelet fit, and the prediction of where knots are needed.
+/* One attempt of a wavelet fit: least squares on given knots, and the proof of what they achieve.
 
-See multirep.representations.wavelet.attempt and .prediction: cubic splines on graded knots, followed
-in Bernstein form span by span. Coordinates come first in all arrays, as there.
+See multirep.representations.wavelet.attempt: cubic splines on graded knots, followed in Bernstein
+form span by span. Coordinates come first in all arrays, as there.
 */
 #include "core.h"
 
@@ -10,51 +10,6 @@ in Bernstein form span by span. Coordinates come first in all arrays, as there.
 
 /* Rows per span that carry no vertex. */
 enum { QUARTERS = 4 };
-
-/* A polyline about an origin: parameters (m + 1,), vertices (d, m + 1), slopes (d, m). */
-typedef struct {
-    Table t, points, slopes;
-    Index chords, d;
-} Target;
-
-static Target target_of(Call *call, PyObject *t, PyObject *points, PyObject *slopes)
-{
-    Target target = {reals(call, t), reals(call, points), reals(call, slopes), 0, 0};
-    target.chords = target.t.rows - 1;
-    target.d = target.points.rows;
-    expect(call,
-           target.chords >= 1 && target.points.columns == target.t.rows &&
-               target.slopes.columns == target.chords && target.slopes.rows == target.d,
-           "a target needs a vertex and a slope for each chord");
-    return target;
-}
-
-/* The chord of a parameter, walking on from that of one not much smaller; a vertex belongs to the
-next. */
-static Index chord_at(const Target *target, Index chord, double t)
-{
-    const double *at = target->t.at;
-    if (t < at[chord] || (chord + 8 < target->chords && t >= at[chord + 8])) {
-        Index low = 0, high = target->chords - 1;
-        while (low < high) {
-            Index middle = low + (high - low + 1) / 2;
-            if (at[middle] <= t)
-                low = middle;
-            else
-                high = middle - 1;
-        }
-        return low;
-    }
-    while (chord + 1 < target->chords && at[chord + 1] <= t)
-        chord++;
-    return chord;
-}
-
-static double value_at(const Target *target, Index chord, double t, Index c)
-{
-    return target->slopes.at[c * target->chords + chord] * (t - target->t.at[chord]) +
-           target->points.at[c * (target->chords + 1) + chord];
-}
 
 /* Cubic Bernstein polynomials, and a third of their derivatives. */
 static void bernstein(double local, double *values, double *turns)
@@ -255,21 +210,20 @@ static double certified(const Marks *marks, Table x, Index d, const double *nets
             third += before_stop * before_stop;
             fourth += next_off[c] * next_off[c];
         }
-        double largest = larger(larger(second, third), larger(first, fourth));
-        bound = !(largest <= bound) ? largest : bound;
+        double largest = worse(worse(second, third), worse(first, fourth));
+        bound = worse(bound, largest);
         /* A mark belongs to both pieces, so to that on which less is allowed; the span after a knot
         answers for it, as does the span before. */
         double ratio = largest / allowed;
         if (i > 0) {
             double other = limits[marks->chords[i - 1]];
-            ratio = larger(first / (other * other), ratio);
+            ratio = worse(ratio, first / (other * other));
         }
         if (i + 2 < marks->count) {
             double other = limits[marks->chords[i + 1]];
-            ratio = larger(fourth / (other * other), ratio);
+            ratio = worse(ratio, fourth / (other * other));
         }
-        if (!(ratio <= ratios[span]))
-            ratios[span] = ratio;
+        ratios[span] = worse(ratios[span], ratio);
         memcpy(off, next_off, (size_t)(2 * d) * sizeof(double));
     }
     for (Index span = 0; span < n; span++)
@@ -286,7 +240,7 @@ METHOD(core_attempt)
     begin(&call, count, 12);
     if (call.failed)
         return finish(&call, NULL);
-    Target target = target_of(&call, values[0], values[1], values[2]);
+    Target target = target_of(&call, values);
     Table limits = reals(&call, values[3]), before = reals(&call, values[4]);
     Table x = reals(&call, values[5]), after = reals(&call, values[6]);
     Index first = integer(&call, values[7]), stop = integer(&call, values[8]);
@@ -301,6 +255,8 @@ METHOD(core_attempt)
            points.rows == d && points.columns == n + 3 && nets.rows == 4 &&
                nets.columns == d * n && ratios.rows == n,
            "the outputs are of wrong lengths");
+    for (Index span = 0; !call.failed && span < n; span++)
+        expect(&call, x.at[span] < x.at[span + 1], "knots must ascend");
     double *knots = scratch(&call, n + 7), *room = scratch(&call, 4 * d);
     double(*maps)[4][4] = (double(*)[4][4])scratch(&call, 16 * n);
     if (call.failed)
@@ -330,114 +286,4 @@ METHOD(core_attempt)
         }
     double bound = certified(&marks, x, d, nets.at, limits.at, room, ratios.at);
     return finish(&call, PyFloat_FromDouble(bound));
-}
-
-METHOD(core_follow)
-{
-    /* t, points, slopes of the target, parameters, values (d, parameters), chords */
-    Call call;
-    begin(&call, count, 6);
-    if (call.failed)
-        return finish(&call, NULL);
-    Target target = target_of(&call, values[0], values[1], values[2]);
-    Table t = reals(&call, values[3]), found = output(&call, values[4]);
-    Slots chords = slots(&call, values[5]);
-    Index count_t = t.rows * t.columns;
-    expect(&call, found.rows == target.d && found.columns == count_t,
-           "room for the values is missing");
-    expect(&call, chords.rows == count_t, "room for the chords is missing");
-    Index chord = 0;
-    for (Index i = 0; !call.failed && i < count_t; i++) {
-        chords.at[i] = chord = chord_at(&target, chord, t.at[i]);
-        for (Index c = 0; c < target.d; c++)
-            found.at[c * count_t + i] = value_at(&target, chord, t.at[i], c);
-    }
-    return finish(&call, Py_NewRef(Py_None));
-}
-
-METHOD(core_predict)
-{
-    /* t, points, slopes, allowances of the target, its corners, starts and stops of spans, the
-    margin, projections (2 s, s), places (s,), worst: what a single polynomial leaves of the target
-    on each span and its margins, squared, in terms of what is allowed */
-    Call call;
-    begin(&call, count, 11);
-    if (call.failed)
-        return finish(&call, NULL);
-    Target target = target_of(&call, values[0], values[1], values[2]);
-    Table allowances = reals(&call, values[3]), corners = reals(&call, values[4]);
-    Table starts = reals(&call, values[5]), stops = reals(&call, values[6]);
-    double share = real(&call, values[7]);
-    Table projections = reals(&call, values[8]), where = reals(&call, values[9]);
-    Table worst = output(&call, values[10]);
-    Index n = starts.rows, samples = where.rows, d = target.d;
-    expect(&call, allowances.rows == target.chords && stops.rows == n && worst.rows == n,
-           "each span needs a start, a stop and a place for its result");
-    expect(&call, projections.rows == 2 * samples && projections.columns == samples && samples > 0,
-           "two projections of the samples are wanted");
-    double *seen = scratch(&call, samples * d), *left = scratch(&call, samples);
-    for (Index span = 0; !call.failed && span < n; span++) {
-        double low = starts.at[span], high = stops.at[span], margin = share * (high - low);
-        /* A span looks beyond its ends, but not past a corner; one close to its start is on it. */
-        double wall = low + 0.5 * margin, from = target.t.at[0], to = target.t.at[target.chords];
-        Index side = 0, behind = corners.rows;
-        while (side < behind) {
-            Index middle = side + (behind - side) / 2;
-            if (corners.at[middle] < wall)
-                side = middle + 1;
-            else
-                behind = middle;
-        }
-        if (side > 0)
-            from = corners.at[side - 1];
-        if (side < corners.rows)
-            to = corners.at[side];
-        low = larger(low - margin, from);
-        high = smaller(high + margin, to);
-        Index chord = 0;
-        for (Index s = 0; s < samples; s++) {
-            double t = low + (high - low) * where.at[s];
-            chord = chord_at(&target, chord, t);
-            left[s] = allowances.at[chord] * allowances.at[chord];
-            for (Index c = 0; c < d; c++)
-                seen[c * samples + s] = value_at(&target, chord, t, c);
-        }
-        double largest = 0.0;
-        for (Index row = 0; row < 2 * samples; row++) {
-            const double *weights = projections.at + row * samples;
-            double square = 0.0;
-            for (Index c = 0; c < d; c++) {
-                double sum = 0.0;
-                for (Index s = 0; s < samples; s++)
-                    sum += weights[s] * seen[c * samples + s];
-                square += sum * sum;
-            }
-            largest = larger(square / left[row % samples], largest);
-        }
-        worst.at[span] = largest;
-    }
-    return finish(&call, Py_NewRef(Py_None));
-}
-
-METHOD(core_halves)
-{
-    /* starts and stops of spans, the knots that halve them: the multiple, nearest to the middle, of
-    the largest power of two that is not longer than the span, or else of half of it */
-    Call call;
-    begin(&call, count, 3);
-    if (call.failed)
-        return finish(&call, NULL);
-    Table starts = reals(&call, values[0]), stops = reals(&call, values[1]);
-    Table found = output(&call, values[2]);
-    expect(&call, stops.rows == starts.rows && found.rows == starts.rows,
-           "each span needs a start, a stop and a place for its knot");
-    for (Index i = 0; !call.failed && i < starts.rows; i++) {
-        double length = stops.at[i] - starts.at[i], middle = starts.at[i] + 0.5 * length;
-        int exponent;
-        frexp(length, &exponent);
-        double step = ldexp(0.5, exponent), coarse = rint(middle / step) * step;
-        step *= 0.5;
-        found.at[i] = fabs(coarse - middle) <= 0.25 * length ? coarse : rint(middle / step) * step;
-    }
-    return finish(&call, Py_NewRef(Py_None));
 }

@@ -1,0 +1,150 @@
+/* What a wavelet fit follows: a polyline about its first vertex, coordinates first; and how fine the
+knots must be for it. See multirep.representations.wavelet.target and .prediction.
+*/
+#include "core.h"
+
+#include <math.h>
+
+/* t, points and slopes, which come first among the arguments. */
+Target target_of(Call *call, PyObject *const *values)
+{
+    Target target = {reals(call, values[0]), reals(call, values[1]), reals(call, values[2]), 0, 0};
+    target.chords = target.t.rows - 1;
+    target.d = target.points.rows;
+    expect(call,
+           target.chords >= 1 && target.points.columns == target.t.rows &&
+               target.slopes.columns == target.chords && target.slopes.rows == target.d,
+           "a target needs a vertex and a slope for each chord");
+    return target;
+}
+
+METHOD(core_target)
+{
+    /* t (m + 1,), points (m + 1, d), allowances (m,), two factors, points about the first one
+    (d, m + 1), slopes (d, m); returns parameters of corners, and how near their knots must be. See
+    multirep.representations.wavelet.target. */
+    Call call;
+    begin(&call, count, 7);
+    if (call.failed)
+        return finish(&call, NULL);
+    Table t = reals(&call, values[0]), points = reals(&call, values[1]);
+    Table allowances = reals(&call, values[2]);
+    double sharpness = real(&call, values[3]), share = real(&call, values[4]);
+    Table about = output(&call, values[5]), slopes = output(&call, values[6]);
+    Index d = points.columns, m = allowances.rows, found = 0;
+    expect(&call,
+           m >= 1 && t.rows == m + 1 && points.rows == m + 1 && about.rows == d &&
+               about.columns == m + 1 && slopes.rows == d && slopes.columns == m,
+           "each chord needs an allowance and a slope");
+    double *corners = scratch(&call, m), *widths = scratch(&call, m);
+    if (call.failed)
+        return finish(&call, NULL);
+    for (Index c = 0; c < d; c++) {
+        double *row = about.at + c * (m + 1), *slope = slopes.at + c * m;
+        for (Index i = 0; i <= m; i++)
+            row[i] = points.at[i * d + c] - points.at[c];
+        for (Index i = 0; i < m; i++)
+            slope[i] = (row[i + 1] - row[i]) / (t.at[i + 1] - t.at[i]);
+    }
+    for (Index i = 0; i + 1 < m; i++) {
+        double turn = 0.0;
+        for (Index c = 0; c < d; c++) {
+            double jump = slopes.at[c * m + i + 1] - slopes.at[c * m + i];
+            turn += jump * jump;
+        }
+        double sharp = sqrt(turn), room = smaller(allowances.at[i + 1], allowances.at[i]);
+        if (sharp * smaller(t.at[i + 2] - t.at[i + 1], t.at[i + 1] - t.at[i]) > room * sharpness) {
+            corners[found] = t.at[i + 1];
+            widths[found++] = room * (share / sharp);
+        }
+    }
+    PyObject *first = numbers(&call, corners, found), *second = numbers(&call, widths, found);
+    return finish(&call, pair_of(&call, first, second));
+}
+
+METHOD(core_follow)
+{
+    /* t, points, slopes of the target, parameters, values (d, parameters), chords */
+    Call call;
+    begin(&call, count, 6);
+    if (call.failed)
+        return finish(&call, NULL);
+    Target target = target_of(&call, values);
+    Table t = reals(&call, values[3]), found = output(&call, values[4]);
+    Slots chords = slots(&call, values[5]);
+    Index count_t = t.rows * t.columns;
+    expect(&call, found.rows == target.d && found.columns == count_t,
+           "room for the values is missing");
+    expect(&call, chords.rows == count_t, "room for the chords is missing");
+    Index chord = 0;
+    for (Index i = 0; !call.failed && i < count_t; i++) {
+        chords.at[i] = chord = chord_at(&target, chord, t.at[i]);
+        for (Index c = 0; c < target.d; c++)
+            found.at[c * count_t + i] = value_at(&target, chord, t.at[i], c);
+    }
+    return finish(&call, Py_NewRef(Py_None));
+}
+
+METHOD(core_predict)
+{
+    /* t, points, slopes, allowances of the target, its corners, starts and stops of spans, the
+    margin, projections (2 s, s), places (s,), worst: what a single polynomial leaves of the target
+    on each span and its margins, squared, in terms of what is allowed */
+    Call call;
+    begin(&call, count, 11);
+    if (call.failed)
+        return finish(&call, NULL);
+    Target target = target_of(&call, values);
+    Table allowances = reals(&call, values[3]), corners = reals(&call, values[4]);
+    Table starts = reals(&call, values[5]), stops = reals(&call, values[6]);
+    double share = real(&call, values[7]);
+    Table projections = reals(&call, values[8]), where = reals(&call, values[9]);
+    Table worst = output(&call, values[10]);
+    Index n = starts.rows, samples = where.rows, d = target.d;
+    expect(&call, allowances.rows == target.chords && stops.rows == n && worst.rows == n,
+           "each span needs a start, a stop and a place for its result");
+    expect(&call, projections.rows == 2 * samples && projections.columns == samples && samples > 0,
+           "two projections of the samples are wanted");
+    double *seen = scratch(&call, samples * d), *left = scratch(&call, samples);
+    for (Index span = 0; !call.failed && span < n; span++) {
+        double low = starts.at[span], high = stops.at[span], margin = share * (high - low);
+        /* A span looks beyond its ends, but not past a corner; one close to its start is on it. */
+        double wall = low + 0.5 * margin, from = target.t.at[0], to = target.t.at[target.chords];
+        Index side = 0, behind = corners.rows;
+        while (side < behind) {
+            Index middle = side + (behind - side) / 2;
+            if (corners.at[middle] < wall)
+                side = middle + 1;
+            else
+                behind = middle;
+        }
+        if (side > 0)
+            from = corners.at[side - 1];
+        if (side < corners.rows)
+            to = corners.at[side];
+        low = larger(low - margin, from);
+        high = smaller(high + margin, to);
+        Index chord = 0;
+        for (Index s = 0; s < samples; s++) {
+            double t = low + (high - low) * where.at[s];
+            chord = chord_at(&target, chord, t);
+            left[s] = allowances.at[chord] * allowances.at[chord];
+            for (Index c = 0; c < d; c++)
+                seen[c * samples + s] = value_at(&target, chord, t, c);
+        }
+        double largest = 0.0;
+        for (Index row = 0; row < 2 * samples; row++) {
+            const double *weights = projections.at + row * samples;
+            double square = 0.0;
+            for (Index c = 0; c < d; c++) {
+                double sum = 0.0;
+                for (Index s = 0; s < samples; s++)
+                    sum += weights[s] * seen[c * samples + s];
+                square += sum * sum;
+            }
+            largest = worse(largest, square / left[row % samples]);
+        }
+        worst.at[span] = largest;
+    }
+    return finish(&call, Py_NewRef(Py_None));
+}
