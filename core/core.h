@@ -186,6 +186,10 @@ double sum_at(Density *density, double t);
 /* The starts of so many chords of equal shares between two sums; the first starts at `begin`. */
 void lay_out(Density *density, double begin, double from, double to, Index chords, double *t);
 
+/* -- dyadic.c: numbers k / 2**l ---------------------------------------------------------------- */
+
+double half_of(double start, double stop);
+
 /* -- target.c: what a wavelet fit follows ------------------------------------------------------ */
 
 /* A polyline about an origin: parameters (m + 1,), vertices (d, m + 1), slopes (d, m). */
@@ -225,6 +229,7 @@ METHOD(core_sample);
 METHOD(core_attempt);
 METHOD(core_follow);
 METHOD(core_predict);
+METHOD(core_departure);
 METHOD(core_halves);
 METHOD(core_largest);
 METHOD(core_cells);
@@ -240,5 +245,6 @@ METHOD(core_level_counts);
 METHOD(core_refine_uniform);
 METHOD(core_add_details);
 METHOD(core_analyse);
+METHOD(core_plus);
 
 #endif

@@ -3,10 +3,21 @@
 
 #include <math.h>
 
+/* The multiple, nearest to the middle, of the largest power of two that is not longer than a span, or
+else of half of it. */
+double half_of(double start, double stop)
+{
+    double length = stop - start, middle = start + 0.5 * length;
+    int exponent = 0;
+    frexp(length, &exponent);
+    double step = ldexp(0.5, exponent), coarse = rint(middle / step) * step;
+    step *= 0.5;
+    return fabs(coarse - middle) <= 0.25 * length ? coarse : rint(middle / step) * step;
+}
+
 METHOD(core_halves)
 {
-    /* starts and stops of spans, the knots that halve them: the multiple, nearest to the middle, of
-    the largest power of two that is not longer than the span, or else of half of it */
+    /* starts and stops of spans, the knots that halve them */
     Call call;
     begin(&call, count, 3);
     if (call.failed)
@@ -15,14 +26,8 @@ METHOD(core_halves)
     Table found = output(&call, values[2]);
     expect(&call, stops.rows == starts.rows && found.rows == starts.rows,
            "each span needs a start, a stop and a place for its knot");
-    for (Index i = 0; !call.failed && i < starts.rows; i++) {
-        double length = stops.at[i] - starts.at[i], middle = starts.at[i] + 0.5 * length;
-        int exponent = 0;
-        frexp(length, &exponent);
-        double step = ldexp(0.5, exponent), coarse = rint(middle / step) * step;
-        step *= 0.5;
-        found.at[i] = fabs(coarse - middle) <= 0.25 * length ? coarse : rint(middle / step) * step;
-    }
+    for (Index i = 0; !call.failed && i < starts.rows; i++)
+        found.at[i] = half_of(starts.at[i], stops.at[i]);
     return finish(&call, Py_NewRef(Py_None));
 }
 

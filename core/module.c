@@ -15,6 +15,7 @@ static PyMethodDef methods[] = {
     ENTRY(attempt),
     ENTRY(follow),
     ENTRY(predict),
+    ENTRY(departure),
     ENTRY(halves),
     ENTRY(largest),
     ENTRY(cells),
@@ -30,6 +31,7 @@ static PyMethodDef methods[] = {
     ENTRY(refine_uniform),
     ENTRY(add_details),
     ENTRY(analyse),
+    ENTRY(plus),
     {NULL, NULL, 0, NULL},
 };
 

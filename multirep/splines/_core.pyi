@@ -112,12 +112,26 @@ def predict(
     corners: Array,
     starts: Array,
     stops: Array,
+    shortest: float,
+    start: float,
+    stop: float,
     margin: float,
     projections: Array,
     places: Array,
-    worst: Array,
     /,
-) -> None: ...
+) -> bytearray: ...
+def departure(
+    t: Array,
+    points: Array,
+    slopes: Array,
+    allowances: Array,
+    knots: Array,
+    coefficients: Array,
+    span: int,
+    end: float,
+    steps: Array,
+    /,
+) -> tuple[int, float, int]: ...
 def common(a: Array, b: Array, /) -> tuple[int, int]: ...
 def changed_spans(
     degree: int, knots: Array, other_knots: Array, rows: list[tuple[Array, Array]], /
@@ -153,4 +167,14 @@ def refine_uniform(points: Array, end_rows: Array, refined: Array, /) -> None: .
 def add_details(details: Array, columns: Array, share: float, points: Array, /) -> None: ...
 def analyse(
     points: Array, factors: Array, repeated: int, coarse: Array, details: Array, /
+) -> None: ...
+def plus(
+    u: Array,
+    knots: Array,
+    spans: float,
+    first: int,
+    level_knots: Array,
+    rows: Array,
+    points: Array,
+    /,
 ) -> None: ...

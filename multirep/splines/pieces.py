@@ -27,6 +27,10 @@ def project(values: Array, rational: bool) -> Array:
     return np.asarray(values[:, :-1] / values[:, -1:]) if rational else values
 
 
+_NONE = np.empty(0)
+_NONE.setflags(write=False)
+
+
 class Stretch(NamedTuple):
     """The knots and coefficients that a spline depends on between two parameters."""
 
@@ -119,6 +123,20 @@ def cut_pieces(breaks: Array, starts: Array, stops: Array) -> Pieces:
     )
 
 
+def largest_coordinate(one: Array, other: Array = _NONE) -> float:
+    """Return the largest absolute value in one or two arrays, 0 if there is none; NaN stays NaN.
+
+    Examples
+    --------
+    >>> largest_coordinate(np.array([[1.0, -3.0]]), np.array([2.0]))
+    3.0
+    """
+    if compiled.active:
+        return compiled.core.largest(one, False, other)
+    largest = np.abs(one).max(initial=0.0), np.abs(other).max(initial=0.0)
+    return float(np.maximum(*largest))
+
+
 def rounding(stretch: Stretch, points: Array) -> Array | float:
     """Bound what rounding does to a computed deviation, for each cell or for all of them.
 
@@ -128,10 +146,8 @@ def rounding(stretch: Stretch, points: Array) -> Array | float:
     """
     coefficients, degree = stretch.coefficients, stretch.degree
     unit = (8 * degree + 16) * EPS * float(np.sqrt(points.shape[1]))
-    if compiled.active and not stretch.rational:
-        return unit * compiled.core.largest(coefficients, False, points)
     if not stretch.rational:
-        return unit * max(float(np.abs(coefficients).max()), float(np.abs(points).max()))
+        return unit * largest_coordinate(coefficients, points)
     weights = coefficients[:, -1]
     largest = max(
         float(np.abs(coefficients[:, :-1] / weights[:, None]).max()), float(np.abs(points).max())

@@ -8,7 +8,6 @@ bound it: the deviation is *proved* for every parameter.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import NamedTuple
 
 import attrs
@@ -16,6 +15,8 @@ import numpy as np
 
 from multirep.arrays import Array, Indices
 from multirep.errors import InvariantError, ToleranceError
+from multirep.interval import Interval
+from multirep.representations.wavelet.dyadic import parameters
 from multirep.representations.wavelet.target import Target
 from multirep.splines import compiled
 from multirep.splines.polar import blossom
@@ -71,8 +72,8 @@ class Problem:
     ----------
     target : Target
         Covers the stretch.
-    to_t : callable
-        Maps dyadic numbers to parameters, monotonically.
+    domain : Interval
+        T, onto which dyadic numbers are mapped.
     frame : Frame
         The surroundings.
     slack : float
@@ -82,15 +83,13 @@ class Problem:
     """
 
     target: Target
-    to_t: Callable[[Array], Array]
+    domain: Interval
     frame: Frame
     slack: float
     limits: Array
 
     @classmethod
-    def of(
-        cls, target: Target, to_t: Callable[[Array], Array], frame: Frame, magnitude: float
-    ) -> Problem:
+    def of(cls, target: Target, domain: Interval, frame: Frame, magnitude: float) -> Problem:
         """Make a problem, coordinates up to ``magnitude``.
 
         Raises
@@ -108,13 +107,13 @@ class Problem:
                 tolerance=float(target.allowances.min()),
                 reachable=2 * slack,
             )
-        return cls(target, to_t, frame, slack, limits)
+        return cls(target, domain, frame, slack, limits)
 
     def attempt(self, u: Array) -> Attempt:
         """Solve with the knots ``u`` (n + 1,); n >= 3 if an end is joined. Linear in marks."""
         if compiled.active:
             return self._attempt_at_once(u)
-        stretch = _lay_out(self.target, u, self.to_t, self.frame)
+        stretch = _lay_out(self.target, u, self.domain, self.frame)
         pins, arguments = _dictate(stretch.x, self.frame, self.target.origin)
         points = _solve(stretch, pins, self.frame, self.limits)
         nets = np.einsum("jkn,kdn->jdn", stretch.maps, _windows(points))
@@ -123,7 +122,7 @@ class Problem:
 
     def _attempt_at_once(self, u: Array) -> Attempt:
         """Solve and prove in the compiled core."""
-        target, frame, x = self.target, self.frame, self.to_t(u)
+        target, frame, x = self.target, self.frame, parameters(u, self.domain)
         pins, arguments = _dictate(x, frame, target.origin)
         points, first, last = _pinned(pins, frame, len(x) - 1, len(target.origin))
         nets = np.empty((4, len(target.origin), len(x) - 1))
@@ -168,9 +167,9 @@ class _Stretch(NamedTuple):
     """(m,), the chord of the target at each mark."""
 
 
-def _lay_out(target: Target, u: Array, to_t: Callable[[Array], Array], frame: Frame) -> _Stretch:
+def _lay_out(target: Target, u: Array, domain: Interval, frame: Frame) -> _Stretch:
     """Place the marks and express the basis there."""
-    x = to_t(u)
+    x = parameters(u, domain)
     lengths = x[1:] - x[:-1]
     first, last = target.t.searchsorted(x[0], side="right"), target.t.searchsorted(x[-1])
     grid = x[:-1] + lengths * _QUARTERS

@@ -16,6 +16,7 @@ from multirep.representations.wavelet.dyadic import finest_level, halves, parame
 from multirep.representations.wavelet.filters import columns
 from multirep.representations.wavelet.graded import Graded
 from multirep.representations.wavelet.pyramid import USUAL_LEVEL as FINEST_ANALYSED
+from multirep.splines import compiled
 from multirep.splines.basis import basis_functions
 from multirep.splines.polar import blossom
 
@@ -66,8 +67,10 @@ def _basis_at(domain: Interval, t: float, level: int) -> tuple[int, Array]:
 
 def _uniform_knots(domain: Interval, level: int, first: int, stop: int) -> Array:
     """Return the knots that points first..stop-1 of the uniform curve of a level depend on."""
-    places = np.arange(first - 3, stop + 1)
-    return parameters(np.minimum(np.maximum(places, 0), 1 << level) / (1 << level), domain)
+    places, spans = np.arange(first - 3, stop + 1), 1 << level
+    if first < 3 or stop > spans:
+        places = np.minimum(np.maximum(places, 0), spans)
+    return parameters(places / spans, domain)
 
 
 def plus(curve: Graded, level: int, first: int, rows: Array) -> Graded:
@@ -81,11 +84,26 @@ def plus(curve: Graded, level: int, first: int, rows: Array) -> Graded:
     # The control points whose support lies in the support of the change.
     i = 0 if low == 0 else curve.u.searchsorted(low / spans)
     j = curve.size if high == spans else curve.u.searchsorted(high / spans) - 3
-    knots = curve.knots(i, j + 4)
-    # Each is the polar form, at its inner knots, of the piece of the change in the middle of its
-    # support.
     u = curve.u.window(i, j + 4)
-    count = j - i
+    knots = parameters(u, curve.domain)
+    uniform = _uniform_knots(curve.domain, level, first - 3, first + len(rows) + 3)
+    changed = curve.points.window(i, j).copy()
+    if compiled.active:
+        compiled.core.plus(u, knots, spans, first, uniform, rows, changed)
+    else:
+        changed += _expressed(u, knots, spans, first, uniform, rows)
+    return curve.replaced((4, 4), np.empty(0), (i, j), changed)
+
+
+def _expressed(
+    u: Array, knots: Array, spans: int, first: int, uniform: Array, rows: Array
+) -> Array:
+    """Express a change by ``rows`` of a level on the knots u (n + 4,), in T: (n, d).
+
+    Each is the polar form, at its inner knots, of the piece of the change in the middle of its
+    support.
+    """
+    count = len(u) - 4
     wide = u[1:] > u[:-1]
     filled = np.zeros(count, dtype=np.intp)
     for part in (3, 1, 2):  # the last that has a length decides: the middle ones first
@@ -95,11 +113,8 @@ def plus(curve: Graded, level: int, first: int, rows: Array) -> Graded:
     pieces = (0.5 * (starts + stops) * spans).astype(np.intp)
     nothing = np.zeros((3, rows.shape[1]))
     padded = np.concatenate((nothing, rows, nothing))
-    uniform = _uniform_knots(curve.domain, level, first - 3, first + len(rows) + 3)
     arguments = knots.take(np.arange(count)[:, None] + np.arange(1, 4))
-    delta = blossom(uniform, padded, 3, pieces - first + 6, arguments)
-    old = curve.points.window(i, j)
-    return curve.replaced((4, 4), np.empty(0), (i, j), old + delta)
+    return blossom(uniform, padded, 3, pieces - first + 6, arguments)
 
 
 def check_detail(curve: Graded, level: int, index: int) -> None:

@@ -95,7 +95,7 @@ def _halve(problem: Problem, found: Attempt, shortest: float) -> Array:
         np.concatenate((starts, middles)),
         np.concatenate((middles, stops)),
         shortest,
-        problem.to_t,
+        problem.domain,
     )
     finer: Array = np.concatenate((u, middles, more))
     finer.sort()

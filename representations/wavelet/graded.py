@@ -14,6 +14,7 @@ from multirep.representations.wavelet.dyadic import level_counts, parameters
 from multirep.splices import SpliceList
 from multirep.splines import compiled
 from multirep.splines.evaluation import evaluate
+from multirep.splines.pieces import largest_coordinate
 from multirep.splines.polar import refine
 
 __all__ = ["Graded", "clamped", "differences"]
@@ -58,7 +59,7 @@ class Graded:
             BlockArray.of(u),
             BlockArray.of(points),
             level_counts(u[4:-4]),
-            float(np.abs(points).max()),
+            largest_coordinate(points),
         )
 
     @property
@@ -139,7 +140,7 @@ class Graded:
         O(window): blocks outside are shared. Fourfold end knots in ``u`` must be all or none of
         each.
         """
-        largest = float(np.abs(rows).max(initial=0.0))
+        largest = largest_coordinate(rows)
         magnitude = self.magnitude if largest <= self.magnitude else largest  # NaN stays NaN
         changed = self.points.replaced(*points, rows)
         if not len(u) and knots[0] == knots[1]:
@@ -166,10 +167,10 @@ class Graded:
         first = min(max(self.u.searchsorted(u[0], "right") - 1, 3), self.size - 1)
         last = min(max(self.u.searchsorted(u[-1]) - 1, first), self.size - 1)
         old = self.u.window(first - 3, last + 5)
+        if (old.take(old.searchsorted(u)) == u).all():
+            return self
         # A knot at either end of the window is there already.
         finer = np.union1d(old[4:-4], u[(u > old[3]) & (u < old[-4])])
-        if len(finer) == len(old) - 8:
-            return self
         finer = np.concatenate((old[:4], finer, old[-4:]))
         knots, points = self.window(first, last)
         rows = refine(knots, points, 3, parameters(finer, self.domain))
@@ -209,10 +210,8 @@ def differences(one: Graded, two: Graded) -> SpliceList:
     if compiled.active:
         rows = one.points.window(begin - 3, end), two.points.window(begin - 3, end + shift)
         read = one.u.window(begin - 3, end + 4), two.u.window(begin - 3, end + shift + 4)
-        return SpliceList(
-            tuple(parameters(np.array(interval), one.domain).tolist())
-            for interval in compiled.core.changed_spans(3, *read, [rows])
-        )
+        intervals = compiled.core.changed_spans(3, *read, [rows])
+        return SpliceList(parameters(np.array(intervals).reshape(-1, 2), one.domain).tolist())
     count, a = end - begin, one.u.window(begin - 2, end + 3)
     mine = one.points.window(begin - 3, end).view(np.int64)
     theirs = two.points.window(begin - 3, end + shift).view(np.int64)

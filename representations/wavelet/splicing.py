@@ -10,7 +10,6 @@ what an earlier, finer shape left behind is gone.
 from __future__ import annotations
 
 import math
-from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -37,8 +36,10 @@ from multirep.representations.wavelet.graded import Graded, clamped
 from multirep.representations.wavelet.prediction import predict
 from multirep.representations.wavelet.target import Target
 from multirep.sampled import SampledSplice
+from multirep.splines import compiled
 from multirep.splines.deviation import spline_chord_deviation
 from multirep.splines.evaluation import evaluate
+from multirep.splines.pieces import largest_coordinate
 from multirep.splines.polar import blossom
 from multirep.splines.simplification import simplified
 
@@ -92,7 +93,7 @@ def fit(sampled: SampledSplice, *, tolerance: float) -> tuple[Graded, float]:
         (np.array([0.0]), np.array([1.0])),
         domain,
         frame,
-        float(np.abs(sampled.points).max()),
+        largest_coordinate(sampled.points),
         thin=True,
     )
     curve = Graded.of(domain, clamped(fitted.u), fitted.points.T + target.origin)
@@ -145,17 +146,17 @@ def splice(curve: Graded, sampled: SampledSplice, *, tolerance: float) -> tuple[
     start = _start(curve, target, interval.start, first)
     stop = _stop(curve, target, interval.stop, last)
     frame, inner, kept = _frame(curve, start, stop, target.origin)
-    magnitude = max(float(np.abs(sampled.points).max()), float(np.abs(kept).max(initial=0.0)))
+    magnitude = largest_coordinate(sampled.points, kept)
     fitted = _fit(
         target, _knots_to_keep(curve, start, stop), curve.domain, frame, magnitude, thin=False
     )
-    rows = fitted.points.T + target.origin
-    if start.joined:
-        same = (fitted.arguments[:3] == inner[:3]).all(axis=1)
-        rows[:3][same] = kept[:3][same]
-    if stop.joined:
-        same = (fitted.arguments[3:] == inner[3:]).all(axis=1)
-        rows[-3:][same] = kept[3:][same]
+    rows = np.add(fitted.points.T, target.origin, order="C")
+    if frame.pieces is not None:
+        same = (fitted.arguments == inner).all(axis=1, keepdims=True)
+        if start.joined:
+            np.copyto(rows[:3], kept[:3], where=same[:3])
+        if stop.joined:
+            np.copyto(rows[-3:], kept[3:], where=same[3:])
     spliced = curve.replaced(
         (start.span + 1, stop.span + 1), fitted.u, (start.span - 2, stop.span), rows
     )
@@ -297,13 +298,12 @@ def _fit(
     thin: bool,
 ) -> Attempt:
     """Predict the knots between the first and the last ones, then fit."""
-    to_t = partial(parameters, domain=domain)
-    problem = Problem.of(target, to_t, frame, magnitude)
+    problem = Problem.of(target, domain, frame, magnitude)
     shortest = 2.0 ** -finest_level(domain)
     first, last = ends
     u = np.array([first[0], last[-1]])
     if frame.pieces is not None:
-        lengths = _first_spans(target, to_t(u), frame)
+        lengths = _first_spans(target, parameters(u, domain), frame)
         if not min(lengths):
             # The old piece beside an end is a sliver; continued, it swings out at once.
             raise _fineness_error(target, domain)
@@ -325,7 +325,7 @@ def _fit(
         u = np.sort(np.concatenate((u, halves(u[:-1], u[1:]))))
     if (u[1:] - u[:-1]).min() < shortest:
         raise _fineness_error(target, domain)
-    more = predict(target, u[:-1], u[1:], shortest, to_t)
+    more = predict(target, u[:-1], u[1:], shortest, domain)
     u = np.concatenate((first[:-1], u, more, last[1:]))
     u.sort()
     return fit_stretch(problem, u, shortest=shortest, thin=thin)
@@ -339,30 +339,40 @@ def _first_spans(target: Target, ends: Array, frame: Frame) -> tuple[float, floa
     on spans of length h if the target leaves at the slope s.
     """
     assert frame.pieces is not None
-    total = float(ends[1] - ends[0])
-    steps = total * _STEPS
-    count = len(steps)
-    t = np.concatenate((ends[0] + steps, ends[1] - steps))
-    values, chords = target.at(t)
-    away = blossom(*frame.pieces, 3, _SIDES, t[:, None].repeat(3, axis=1)).T
-    away -= values
-    lengths = [total, total]
+    start, stop = ends.tolist()
+    steps = (stop - start) * _STEPS
+    lengths = [stop - start, stop - start]
     for side, joined in enumerate((frame.left, frame.right)):
         if joined:
-            here = away[:, side * count : (side + 1) * count]
-            gap = math.sqrt(float(here[:, 0] @ here[:, 0]))
-            chord = int(chords[side * count])
-            allowance = float(target.allowances[chord])
-            if gap > allowance:
-                raise _gap_error(target, float(ends[side]), gap, chord)
-            square = np.square(here - here[:, :1]).sum(axis=0)
-            far = square > (1.5 * max(allowance - gap, allowance / 8)) ** 2
-            if far.any():
-                lengths[side] = float(steps[far.argmax() - 1])
+            end = stop if side else start
+            far, gap, chord = _departure(target, frame.pieces, side, end, -steps if side else steps)
+            if gap > target.allowances[chord]:
+                raise _gap_error(target, end, gap, chord)
+            if far > 0:
+                lengths[side] = float(steps[far - 1])
     return lengths[0], lengths[1]
+
+
+def _departure(
+    target: Target, pieces: tuple[Array, Array], side: int, end: float, steps: Array
+) -> tuple[int, float, int]:
+    """Return the first step where the old piece is too far off (or -1), the gap at 0, its chord."""
+    if compiled.active:
+        polyline = target.t, target.points, target.slopes, target.allowances
+        return compiled.core.departure(*polyline, *pieces, _SPANS[side], end, steps)
+    t = end + steps
+    values, chords = target.at(t)
+    spans = np.full(len(t), _SPANS[side])
+    away = blossom(*pieces, 3, spans, t[:, None].repeat(3, axis=1)).T - values
+    gap = math.sqrt(float(np.square(away[:, 0]).sum()))
+    allowance = float(target.allowances[chords[0]])
+    square = np.square(away - away[:, :1]).sum(axis=0)
+    far = square > (1.5 * max(allowance - gap, allowance / 8)) ** 2
+    return int(far.argmax()) if far.any() else -1, gap, int(chords[0])
 
 
 #: Where the old pieces are compared with the target, in parts of the stretch from the joined end.
 _STEPS = np.concatenate(([0.0], 2.0 ** np.arange(-38.0, 0.0)))
-_SIDES = np.repeat([3, 10], len(_STEPS))
+#: The spans of the old pieces, see `frame_pieces`.
+_SPANS = (3, 10)
 _INNER = np.array([[1, 2, 3], [2, 3, 4], [3, 4, 5], [6, 7, 8], [7, 8, 9], [8, 9, 10]])

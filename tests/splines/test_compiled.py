@@ -23,8 +23,9 @@ from multirep.representations.nurbs.problem import KINK_HEIGHT, Course, Problem
 from multirep.representations.polyline.differences import _between_common
 from multirep.representations.polyline.sampling import _corners
 from multirep.representations.polyline.simplification import simplify
-from multirep.representations.wavelet import attempt, prediction
+from multirep.representations.wavelet import attempt, prediction, splicing
 from multirep.representations.wavelet.analysis import analyse
+from multirep.representations.wavelet.details import plus
 from multirep.representations.wavelet.dyadic import halves, level_counts
 from multirep.representations.wavelet.filters import (
     add_details,
@@ -32,6 +33,7 @@ from multirep.representations.wavelet.filters import (
     end_rows,
     refine_uniform,
 )
+from multirep.representations.wavelet.graded import Graded, clamped
 from multirep.representations.wavelet.target import Target
 from multirep.sampled import SampledSplice, interpolate
 from multirep.splines import compiled, evaluate, sampling
@@ -379,7 +381,7 @@ def targets(draw: st.DrawFn) -> tuple[Target, attempt.Problem, Array]:
         joined,
         joined,
     )
-    problem = attempt.Problem.of(target, lambda u: u, frame, scale)
+    problem = attempt.Problem.of(target, Interval(0.0, 1.0), frame, scale)
     return target, problem, u
 
 
@@ -404,8 +406,11 @@ def test_predictions_are_the_same(drawn: tuple[Target, attempt.Problem, Array]) 
         fast, pure = both(lambda t=t: target.at(t))
         assert same(fast[0], pure[0])
         assert same(fast[1], pure[1])
-    fast, pure = both(lambda: prediction._unexplained(target, u[:-1], u[1:]))
-    assert np.abs(fast - pure).max() <= 1e-9 * max(1.0, pure.max())
+    for domain in (Interval(0.0, 1.0), Interval(0.125, 0.75)):
+        fast, pure = both(
+            lambda domain=domain: prediction.predict(target, u[:-1], u[1:], 2.0**-14, domain)
+        )
+        assert (np.sort(fast) == np.sort(pure)).all()
 
 
 @given(
@@ -512,6 +517,52 @@ def test_curves_are_analysed_alike(level: int, scale: float) -> None:
         for one, two in zip(fast, pure, strict=True):
             assert one.shape == two.shape
             assert np.abs(one - two).max() <= 1e-14 * np.abs(points).max()
+
+
+@st.composite
+def graded(draw: st.DrawFn) -> Graded:
+    """Draw knots of many levels, control points of any dimension, any T."""
+    inner = draw(st.lists(st.integers(1, 255), max_size=20, unique=True))
+    u = clamped(np.array([0, *sorted(inner), 256]) / 256)
+    rng = np.random.default_rng(draw(seeds))
+    points = rng.integers(-640, 641, (len(u) - 4, draw(st.integers(1, 4)))) / 64
+    domain = Interval(*draw(st.sampled_from([(0.0, 1.0), (-1.0, 2.0), (1e6, 1e6 + 1)])))
+    return Graded.of(domain, u, points)
+
+
+@given(graded(), st.integers(0, 10), st.floats(0, 1), st.integers(1, 8), seeds)
+def test_changes_of_a_level_are_added_alike(
+    curve: Graded, level: int, place: float, count: int, seed: int
+) -> None:
+    """One control point of a level or several, at the ends of T and inside, to the last bit."""
+    first = int(place * ((1 << level) + 2))
+    count = min(count, (1 << level) + 3 - first)
+    rows = np.random.default_rng(seed).normal(size=(count, curve.points.shape[1]))
+    fast, pure = both(lambda: plus(curve, level, first, rows))
+    assert same(np.asarray(fast.u), np.asarray(pure.u))
+    assert same(np.asarray(fast.points), np.asarray(pure.points))
+    assert fast.magnitude == pure.magnitude
+
+
+@given(targets(), st.floats(0, 1))
+def test_old_pieces_depart_from_the_target_alike(
+    drawn: tuple[Target, attempt.Problem, Array], place: float
+) -> None:
+    """How far a cubic that joins is followed, how far off it is at the end, from either end."""
+    target, problem, _ = drawn
+    pieces = problem.frame.pieces
+    assume(pieces is not None)
+    assert pieces is not None
+    steps = np.concatenate(([0.0], 2.0 ** np.arange(-38.0, 0.0))) * (1 - 0.5 * place)
+    for side, end, away in ((0, 0.5 * place, steps), (1, 1.0, -steps)):
+        fast, pure = both(
+            lambda side=side, end=end, away=away: splicing._departure(
+                target, pieces, side, end, away
+            )
+        )
+        assert fast[0] == pure[0]
+        assert fast[1] == pytest.approx(pure[1], rel=1e-14)
+        assert fast[2] == pure[2]
 
 
 @given(st.integers(1, 40), st.integers(1, 4), seeds)
@@ -636,8 +687,19 @@ def test_what_could_be_read_beyond_its_end_is_refused() -> None:
     for start, stop in ((1.0, 0.0), (float("nan"), 1.0)):
         with pytest.raises(ValueError, match="interval"):
             call.cells(knots, 2, start, stop)
+    rows, level = np.ones((1, 1)), np.arange(-6.0, 5.0)
+    for first in (-9, 9):
+        with pytest.raises(ValueError, match="beyond the changes"):
+            call.plus(np.arange(5.0), np.arange(5.0), 1.0, first, level, rows, np.zeros((1, 1)))
     around, limits, nets = np.arange(3.0), np.ones(1), np.empty((4, 1, 2))
     line = np.array([0.0, 0.5]), np.zeros((1, 2)), np.zeros((1, 1))
+    for span in (2, 4):
+        with pytest.raises(ValueError, match="out of bounds"):
+            call.departure(*line, limits, np.arange(8.0), np.zeros((4, 1)), span, 0.0, around)
+    far = np.array([0.0, 0.5]), np.ones((1, 2)), np.zeros((1, 1)), limits * 0.0, np.empty(0)
+    spans = np.array([0.0]), np.array([np.inf]), 1e-9, 0.0, 1.0, 0.25
+    with pytest.raises(ValueError, match="without end"):
+        call.predict(*far, *spans, np.ones((2, 1)), np.zeros(1))
     for x in ([0.0, 9.0, 0.5], [0.0, np.nan, 0.5], [0.0, 0.5, np.nan]):
         fit = (around, np.array(x), around, 0, 5, np.zeros((1, 5)), nets, np.empty(2))
         with pytest.raises(ValueError, match="ascend"):

@@ -16,14 +16,10 @@ from multirep.representations.wavelet.attempt import Frame, Problem
 from multirep.representations.wavelet.target import Target
 
 
-def identity(u):
-    return u
-
-
 def free_problem(sampled: SampledSplice, tolerance: float) -> Problem:
     target = Target.of(sampled, tolerance)
     frame = Frame(np.zeros(3), np.ones(3), None, False, False)
-    return Problem(target, identity, frame, 0.0, target.allowances)
+    return Problem(target, Interval(0.0, 1.0), frame, 0.0, target.allowances)
 
 
 @st.composite
