@@ -145,16 +145,23 @@ def reached(curve: Graded, interval: Interval, within: Interval) -> Interval:
     """
     a, b = interval
     step = tight(curve)
+    # a few numbers only: lists are cheaper than arrays
     if a > curve.domain.start:
         k = curve.span_at(a)
         first = max(k + 1 - _REACH, 3)
         u, near = curve.u.window(first - 1, k + 1), curve.knots(first, k + 1)
-        fine = (near >= within.start) & (near <= a) & (u[1:] - u[:-1] != step)
-        a = float(near[fine][0]) if fine.any() else a
+        steps = (u[1:] - u[:-1]).tolist()
+        for knot, beside in zip(near.tolist(), steps, strict=True):
+            if within.start <= knot <= a and beside != step:
+                a = knot
+                break
     if b < curve.domain.stop:
         k = curve.span_at(b, "left") + 1
         last = min(k + _REACH, curve.size + 1)
         u, near = curve.u.window(k, last + 1), curve.knots(k, last)
-        fine = (near <= within.stop) & (near >= b) & (u[1:] - u[:-1] != step)
-        b = float(near[fine][-1]) if fine.any() else b
+        steps = (u[1:] - u[:-1]).tolist()
+        for knot, beside in zip(near.tolist()[::-1], steps[::-1], strict=True):
+            if b <= knot <= within.stop and beside != step:
+                b = knot
+                break
     return Interval(a, b)
