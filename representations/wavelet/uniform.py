@@ -6,7 +6,7 @@ import numpy as np
 
 from multirep.arrays import Array
 from multirep.errors import InvariantError
-from multirep.representations.wavelet.filters import point_count
+from multirep.representations.wavelet.filters import point_count, refine_uniform
 from multirep.representations.wavelet.graded import Graded, clamped
 from multirep.splines.basis import basis_functions
 from multirep.splines.evaluation import evaluate
@@ -26,8 +26,8 @@ def uniform_points(curve: Graded, level: int) -> Array:
     Returns
     -------
     (2**level + 3, d) array
-        Of the same curve, by inserting knots, if none is finer than the level; else of its
-        orthogonal projection.
+        Of the same curve if no knot is finer than the level, by inserting knots up to the finest
+        one there is and halving all spans from there on; else of its orthogonal projection.
 
     Notes
     -----
@@ -45,14 +45,18 @@ def uniform_points(curve: Graded, level: int) -> Array:
     >>> uniform_points(line, 1)[1:, 0].round(12)
     array([0.16666667, 0.5       , 0.83333333, 1.        ])
     """
-    points = np.asarray(curve.points)
-    if curve.level <= level and len(points) == point_count(level):
-        return points  # as many distinct knots as the level has
-    u = np.asarray(curve.u)
-    knots = clamped(np.arange((1 << level) + 1) / (1 << level))
-    if curve.level <= level:
-        return refine(u, points, 3, knots)
-    return _projected(u, points, knots)
+    points, finest = np.asarray(curve.points), curve.level
+    if finest > level:
+        return _projected(np.asarray(curve.u), points, _knots(level))
+    if len(points) < point_count(finest):
+        points = refine(np.asarray(curve.u), points, 3, _knots(finest))
+    for _ in range(level - finest):
+        points = refine_uniform(points)
+    return points
+
+
+def _knots(level: int) -> Array:
+    return clamped(np.arange((1 << level) + 1) / (1 << level))
 
 
 def _projected(u: Array, points: Array, knots: Array) -> Array:

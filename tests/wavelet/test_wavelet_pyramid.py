@@ -18,7 +18,9 @@ from multirep.representations.wavelet.filters import (
     add_details,
     refine_uniform,
 )
+from multirep.representations.wavelet.graded import clamped
 from multirep.representations.wavelet.pyramid import Pyramid
+from multirep.splines.polar import refine
 from multirep.testing import reference_wavelets as reference
 
 FACTS = json.loads((Path(__file__).parent / "wavelets.json").read_text())
@@ -98,7 +100,7 @@ def test_elimination_is_the_banded_solve(level):
 
 
 def test_uniform_curves_are_analysed_as_they_are(monkeypatch):
-    """The control points of the asked level are there already: no knot is inserted."""
+    """No knot is inserted one by one: the points are there, or halving all spans gives them."""
 
     def refused(*_):
         raise AssertionError("a knot was to be inserted")
@@ -108,8 +110,20 @@ def test_uniform_curves_are_analysed_as_they_are(monkeypatch):
     monkeypatch.setattr(uniform, "refine", refused)
     assert (np.asarray(uniform.uniform_points(curve._graded, 6)) == points).all()
     assert np.abs(curve.pyramid().control_points() - points).max() <= 1e-14
+    assert np.abs(curve.pyramid(8).control_points(6) - points).max() <= 1e-14
     with pytest.raises(AssertionError, match="knot"):
-        curve.pyramid(7)
+        curve.refine((0.25, 0.5)).value.pyramid()
+
+
+def test_graded_curves_are_made_uniform_level_by_level():
+    """Inserting all knots of a level at once gives the same points, up to rounding."""
+    points = np.random.default_rng(6).normal(size=(2**4 + 3, 2))
+    graded = WaveletBSpline(points).refine((0.25, 0.5)).value._graded
+    u, rows = np.asarray(graded.u), np.asarray(graded.points)
+    for level in (5, 6, 9):
+        knots = clamped(np.arange(2**level + 1) / 2**level)
+        expected = refine(u, rows, 3, knots)
+        assert np.abs(uniform.uniform_points(graded, level) - expected).max() <= 1e-14
 
 
 def test_levels_beyond_the_stored_factors():
