@@ -246,5 +246,6 @@ METHOD(core_refine_uniform);
 METHOD(core_add_details);
 METHOD(core_analyse);
 METHOD(core_plus);
+METHOD(core_farthest);
 
 #endif

@@ -32,6 +32,7 @@ static PyMethodDef methods[] = {
     ENTRY(add_details),
     ENTRY(analyse),
     ENTRY(plus),
+    ENTRY(farthest),
     {NULL, NULL, 0, NULL},
 };
 

@@ -22,8 +22,9 @@ from multirep.samples import Sampler, sample_author
 from multirep.splines import simplified
 from multirep.state import State
 
-#: Stretches of more stored controls than this are thinned. Shorter ones are followed as they are.
-LONG = 2**12
+#: Stretches of more stored controls than this are thinned. Shorter ones are followed as they are:
+#: a fit tries knots a few times, each time against all samples.
+LONG = 2**10
 #: They are taken in pieces of about so many. Larger needs more
 #: memory (some 200 bytes each); smaller leaves more borders of pieces, a vertex each.
 PIECE = 2**16
@@ -97,9 +98,12 @@ def controls_on(state: State, interval: Interval) -> int:
 def _thinned_inside(
     sampled: SampledSplice, limit: float, whole: tuple[bool, bool]
 ) -> SampledSplice:
-    """Thin all but the chords at fixed ends: the gap there may need all that is allowed."""
+    """Thin all but the chords at fixed ends: the gap there may need all that is allowed.
+
+    Samples that were chosen for a tolerance are as few as need be, and are left as they are.
+    """
     first, last = int(whole[0]), len(sampled.t) - 1 - int(whole[1])
-    if last - first < 2:
+    if last - first < 2 or float(chord_bounds(sampled).mean()) > limit:
         return sampled
     pieces = [_thinned(sampled.cut(first, last), limit)]
     if first:

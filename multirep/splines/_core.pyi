@@ -178,3 +178,6 @@ def plus(
     points: Array,
     /,
 ) -> None: ...
+def farthest(
+    t: Array, points: Array, limits: Array | None, kept: IntArray, largest: Array, worst: IntArray, /
+) -> None: ...

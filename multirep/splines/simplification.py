@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from multirep.splines import compiled
 from multirep.splines.arrays import Array, IntArray
 
 __all__ = ["simplified"]
@@ -51,7 +52,7 @@ def simplified(t: Array, points: Array, limit: Array) -> tuple[IntArray, Array]:
     vertex_limit = np.minimum(limit[1:], limit[:-1])
     kept = _laid_out(t, points, vertex_limit)
     for _ in range(ROUNDS):
-        deviation, worst = _deviations(t, points, vertex_limit, kept)
+        deviation, worst = _farthest(t, points, vertex_limit, kept)
         bad = np.flatnonzero(deviation > 1.0)
         if not len(bad):
             break
@@ -81,30 +82,28 @@ def _laid_out(t: Array, points: Array, limit: Array) -> IntArray:
     return np.concatenate(([0], inner, [len(t) - 1]))
 
 
-def _offsets(t: Array, points: Array, kept: IntArray) -> tuple[Array, IntArray]:
-    """Distance of every vertex from the chord of its group, and the group of each."""
-    group = np.arange(len(kept) - 1).repeat(np.diff(kept))
+def _farthest(
+    t: Array, points: Array, limit: Array | None, kept: IntArray
+) -> tuple[Array, IntArray]:
+    """Largest distance of a vertex from the chord of its group, over its limit, and that vertex."""
+    if compiled.active:
+        largest, worst = np.empty(len(kept) - 1), np.empty(len(kept) - 1, dtype=np.intp)
+        t, points = np.ascontiguousarray(t), np.ascontiguousarray(points)
+        compiled.core.farthest(t, points, limit, kept, largest, worst)
+        return largest, worst
+    sizes = np.diff(kept)
+    group = np.arange(len(sizes)).repeat(sizes)
     start, stop = t[kept[:-1]], t[kept[1:]]
     slope = (points[kept[1:]] - points[kept[:-1]]) / (stop - start)[:, None]
     off = points[:-1] - points[kept[:-1]][group]
     off -= (t[:-1] - start[group])[:, None] * slope[group]
-    return np.sqrt(np.einsum("md,md->m", off, off)), group
-
-
-def _deviations(t: Array, points: Array, limit: Array, kept: IntArray) -> tuple[Array, IntArray]:
-    """Largest distance over its limit in each group, and the vertex where it is."""
-    off, _ = _offsets(t, points, kept)
-    off[1:] /= limit
-    off[kept[:-1]] = 0.0
-    largest = np.maximum.reduceat(off, kept[:-1])
-    bad = largest > 1.0
-    worst = np.zeros(len(largest), dtype=np.intp)
-    if bad.any():
-        marks = np.where(bad, largest, np.inf).repeat(np.diff(kept))
-        hits = np.flatnonzero(off == marks)
-        places = np.minimum(hits.searchsorted(kept[:-1]), len(hits) - 1)
-        worst[bad] = hits[places[bad]]
-    return largest, worst
+    far = np.sqrt(np.einsum("md,md->m", off, off))
+    if limit is not None:
+        far[1:] /= limit
+    far[kept[:-1]] = 0.0
+    largest = np.maximum.reduceat(far, kept[:-1])
+    hits = np.flatnonzero(far == largest.repeat(sizes))
+    return largest, hits[hits.searchsorted(kept[:-1])]
 
 
 def _merged(t: Array, points: Array, limit: Array, kept: IntArray, side: int) -> IntArray:
@@ -115,7 +114,7 @@ def _merged(t: Array, points: Array, limit: Array, kept: IntArray, side: int) ->
     mask = np.ones(len(kept), dtype=bool)
     mask[dropped] = False
     coarse = kept[mask]
-    largest, _ = _deviations(t, points, limit, coarse)
+    largest, _ = _farthest(t, points, limit, coarse)
     # Vertex kept[j] (j dropped) lies in the coarse group that starts at kept[j - 1].
     group = coarse.searchsorted(kept[dropped], "right") - 1
     mask[dropped[largest[group] > 1.0]] = True
@@ -123,8 +122,6 @@ def _merged(t: Array, points: Array, limit: Array, kept: IntArray, side: int) ->
 
 
 def _absolute(t: Array, points: Array, kept: IntArray) -> Array:
-    off, _ = _offsets(t, points, kept)
-    off[kept[:-1]] = 0.0
+    largest, _ = _farthest(t, points, None, kept)
     slack = 16 * np.finfo(np.float64).eps * np.sqrt(points.shape[1]) * float(np.abs(points).max())
-    largest = np.maximum.reduceat(off, kept[:-1])
     return np.asarray(np.where(np.diff(kept) > 1, largest + slack, 0.0))

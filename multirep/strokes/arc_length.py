@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from multirep.arrays import Array
+from multirep.arrays import Array, Flags
 
 
 def norms(vectors: Array) -> Array:
@@ -39,16 +39,24 @@ def angles_between(one: Array, two: Array) -> Array:
     >>> angles_between(np.array([[2.0, 0.0]]), np.array([[0.0, 3.0]])).round(4)
     array([1.5708])
     """
-    a, b = _units(one), _units(two)
-    angle = 2 * np.arctan2(norms(a - b), norms(a + b))
-    moving = (a != 0).any(axis=1) & (b != 0).any(axis=1)
-    angles: Array = np.where(moving, angle, 0.0)
+    (a, moves), (b, turns) = _units(one), _units(two)
+    apart, along = a - b, a + b
+    squares = np.einsum("ij,ij->i", apart, apart), np.einsum("ij,ij->i", along, along)
+    angles: Array = 2 * np.arctan2(*np.sqrt(squares))
+    if not (moves.all() and turns.all()):
+        angles[~(moves & turns)] = 0.0
     return angles
 
 
-def _units(vectors: Array) -> Array:
+def _units(vectors: Array) -> tuple[Array, Flags]:
+    """Rows of length 1, and which are none because they are 0."""
     largest = np.abs(vectors).max(axis=1, keepdims=True)
-    scaled = np.divide(vectors, largest, out=np.zeros_like(vectors), where=largest > 0)
-    length = np.sqrt(np.einsum("ij,ij->i", scaled, scaled))[:, None]
-    units: Array = np.divide(scaled, length, out=np.zeros_like(scaled), where=length > 0)
-    return units
+    moves = largest[:, 0] > 0
+    if not moves.all():
+        largest[~moves] = 1.0
+    units: Array = vectors / largest
+    lengths = np.sqrt(np.einsum("ij,ij->i", units, units))[:, None]
+    if not moves.all():
+        lengths[~moves] = 1.0
+    units /= lengths
+    return units, moves

@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 import tracemalloc
+from typing import Any
 
 import numpy as np
 import pytest
 
 import multirep as mr
 from multirep.arrays import Array
-from multirep.bulk import PIECE, composed_in_pieces
+from multirep.bulk import LONG, PIECE, _thinned_inside, composed_in_pieces
 from multirep.events import Event, Fitting, Sampled
 from multirep.representation import Representation
 from multirep.representations import Nurbs, Polyline, WaveletBSpline
+from multirep.sampled import SampledSplice
 
 FOLLOWERS = [Nurbs, WaveletBSpline]
 KINDS: list[type[Representation]] = [Polyline, *FOLLOWERS]
@@ -143,3 +145,39 @@ def test_a_long_stale_stretch_is_followed_in_pieces(
     assert sum(isinstance(event, Fitting) for event in events) == PIECES
     assert curve.deviation(Polyline, kind).upper <= TOLERANCE
     curve.restore(before)
+
+
+@pytest.mark.parametrize("kind", FOLLOWERS)
+def test_dense_vertices_cost_a_follower_nothing(
+    kind: type[Representation], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A fit is tried against as many samples of a stretch however many vertices it has."""
+    given: list[int] = []
+    splice = kind.splice
+
+    def counted(self: Any, sampled: SampledSplice, *, tolerance: float) -> Any:
+        given.append(len(sampled.t))
+        return splice(self, sampled, tolerance=tolerance)
+
+    monkeypatch.setattr(kind, "splice", counted)
+    for n in (32 * LONG, 8 * 32 * LONG):
+        curve = mr.MultiRepresentation.from_points(wavy(n), tolerance=TOLERANCE, kinds=KINDS)
+        curve.view(kind)
+        polyline = curve.view(Polyline)
+        low, high = (polyline.t.searchsorted(at) for at in (0.5, 0.55))
+        t, rows = polyline.t[low:high], polyline.points[low:high]
+        bump = np.sin(np.linspace(0, np.pi, high - low)) ** 2
+        moved = polyline.replace(low, high, t, rows + 0.02 * bump[:, None])
+        curve.commit(Polyline, moved)
+        curve.view(kind)
+    assert len(given) == 2
+    assert max(given) <= min(1.25 * min(given), LONG / 4)
+
+
+def test_samples_chosen_for_a_tolerance_are_left_alone(
+    curve: mr.MultiRepresentation, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Those of a spline are as few as need be: nobody looks for some to leave out."""
+    sampled = curve.view(Nurbs).sample(curve.domain, tolerance=TOLERANCE)
+    monkeypatch.setattr("multirep.bulk.simplified", None)
+    assert _thinned_inside(sampled, TOLERANCE / 4, (False, False)) is sampled

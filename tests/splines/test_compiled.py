@@ -43,6 +43,7 @@ from multirep.splines.deviation import spline_chord_deviation
 from multirep.splines.least_squares import polyline_rows, solve_window
 from multirep.splines.pieces import cut_stretch, rounding
 from multirep.splines.polar import blossom
+from multirep.splines.simplification import simplified
 
 R = TypeVar("R")
 ROOT = Path(__file__).resolve().parents[2]
@@ -631,6 +632,15 @@ def test_the_same_samples_are_dropped(line: Line, seed: int, allowed: float) -> 
 # -- the border between Python and C ---------------------------------------------------------------
 
 
+@given(polylines(), st.sampled_from([1e-9, 1e-3, 0.1, 1.0]))
+def test_the_same_vertices_are_kept(line: Line, limit: float) -> None:
+    """Thinning keeps the same vertices and knows the same deviations."""
+    limits = limit * (1 + np.arange(len(line.t) - 1) % 3)
+    fast, pure = both(lambda: simplified(line.t, line.points, limits))
+    assert same(fast[0], pure[0])
+    assert same(fast[1], pure[1])
+
+
 def test_what_does_not_fit_is_refused() -> None:
     """Indices out of bounds, lengths that do not agree, other types: errors, not crashes."""
     knots, points = np.array([0, 0, 0, 1, 1, 1.0]), np.zeros((3, 2))
@@ -648,6 +658,10 @@ def test_what_does_not_fit_is_refused() -> None:
         call.common(points, knots)
     with pytest.raises(ValueError, match="n \\+ p \\+ 1 knots"):
         call.sample(knots, points[:2], 2, False, 0.0, 1.0, 1.0)
+    for kept, message in (([0, 2], "last vertex"), ([0, 3, 2, 5], "increase"), ([5], "a place")):
+        chords = np.empty(len(kept) - 1), np.empty(len(kept) - 1, dtype=np.intp)
+        with pytest.raises(ValueError, match=message):
+            call.farthest(knots + np.arange(6), np.zeros((6, 2)), None, np.array(kept), *chords)
     with pytest.raises(ValueError, match="two vertices"):
         call.polyline_rows(knots, 2, t, points[:1], 3, np.empty(9), points, t)
     with pytest.raises(ValueError, match="become 2 m \\+ 3"):

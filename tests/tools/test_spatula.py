@@ -252,6 +252,23 @@ def test_the_cost_follows_what_is_touched() -> None:
     assert peaks[1] < 2 * peaks[0] + 100_000
 
 
+@given(st.integers(1, 4), st.integers(0, 63))
+def test_dense_curves_are_spaced_out_like_coarse_ones(dense: int, at: int) -> None:
+    """However close vertices were, pushed ones are so far apart that no two segments need merge."""
+    count = 16 * 10**dense
+    t = np.linspace(0, 1, count + 1)
+    line = Polyline(t, np.stack([t - at / 256, np.zeros(count + 1)], axis=1))
+    edit = Spatula(radius=0.25, path=[[0.25, -0.25], [0.25, -0.125]]).edit(line, Scene())
+    points = np.asarray(edit.value)
+    pushed = np.flatnonzero(points[:, 1])
+    assert pushed.tolist() == list(range(pushed[0], pushed[-1] + 1))
+    lengths = np.linalg.norm(np.diff(points[pushed[0] : pushed[-1] + 1], axis=0), axis=1)
+    assert (lengths[1:] + lengths[:-1] >= 0.25 / 8 * (1 - 1e-9)).all()
+    assert lengths.max() <= 0.25 / 4
+    arc = 0.25 * np.pi * 2 / 3  # from 30 to 150 degrees
+    assert len(pushed) <= 4 * 8 * arc / 0.25
+
+
 # -- what is refused -------------------------------------------------------------------------------
 
 

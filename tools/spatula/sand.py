@@ -20,6 +20,10 @@ Mask: TypeAlias = npt.NDArray[np.bool_]
 SPLIT = 1 / 4
 #: Two segments together shorter than this, in radii, become one (Grimm-Ayers 5.1).
 MERGE = 1 / 8
+#: Pushed vertices that are closer than this, in radii, crowd; one of them stays in each stretch of
+#: SPACED radii: more than half of MERGE, so that few need to merge after that, and with a crossing
+#: segment less than all of it.
+SPACED, CROWDED = 3 / 4 * MERGE, 3 / 16 * MERGE
 #: Roundings of coordinates that a radius must exceed; below, segments of a quarter of it cannot be
 #: told apart.
 RESOLUTION = 2.0**12
@@ -79,9 +83,8 @@ class Sand:
 
     def _keep_contacts(self, starts: Array, stops: Array) -> None:
         """Drop the vertices whose two segments stay away from the stroke."""
-        near = self._contacts(starts, stops, np.flatnonzero(~self.ends))
-        segment = np.zeros(len(self), dtype=bool)
-        segment[near] = True
+        segment = ~self.ends
+        segment[:-1] &= self._in_contact(self.points[:-1], self.points[1:], starts, stops)
         needed = segment.copy()
         needed[1:] |= segment[:-1]
         self.ends = ~segment
@@ -105,10 +108,15 @@ class Sand:
 
     def _contacts(self, starts: Array, stops: Array, segments: Indices) -> Indices:
         """Return those of the segments that may come closer to the stroke than the radius."""
-        first, second = self.points[segments], self.points[segments + 1]
+        if not segments.size:
+            return segments
+        near = self._in_contact(self.points[segments], self.points[segments + 1], starts, stops)
+        return segments[near]
+
+    def _in_contact(self, first: Array, second: Array, starts: Array, stops: Array) -> Mask:
         middle = 0.5 * (first + second)
         reach = self.radius + 0.5 * _norms(second - first) + self.rounding
-        return segments[_within(middle, reach, starts, stops)]
+        return _within(middle, reach, starts, stops)
 
     # -- the stroke --------------------------------------------------------------------------------
 
@@ -142,16 +150,34 @@ class Sand:
 
     def _merge(self) -> None:
         """Remove moved vertices between two segments that are short together."""
-        while True:
-            lengths = self._lengths()
-            both = np.zeros(len(self), dtype=bool)
-            both[1:] = lengths[:-1] + lengths[1:] < MERGE * self.radius
-            rows = np.flatnonzero(both & self.moved)
-            if not rows.size:
-                return
-            keep = np.ones(len(self), dtype=bool)
-            keep[rows[every_other(rows)]] = False
-            self._take(np.flatnonzero(keep))
+        rows = self._spaced()
+        points, moved, ends = self.points[rows], self.moved[rows], self.ends[rows]
+        while len(rows) > 2:  # a few rounds, in each every other one; columns are cut at last
+            lengths = _norms(points[1:] - points[:-1])
+            lengths[ends[:-1]] = np.inf
+            both = lengths[:-1] + lengths[1:] < MERGE * self.radius
+            merged = np.flatnonzero(both & moved[1:-1]) + 1
+            if not merged.size:
+                break
+            keep = np.ones(len(rows), dtype=bool)
+            keep[merged[every_other(merged)]] = False
+            rows, points, moved, ends = rows[keep], points[keep], moved[keep], ends[keep]
+        if len(rows) < len(self):
+            self._take(rows)
+
+    def _spaced(self) -> Indices:
+        """Rows, less those of crowds of pushed ones: of these one stays in each stretch.
+
+        Of a dense curve most go here at once, where merging two by two would take many rounds. No
+        segment that this makes is longer than ``MERGE``.
+        """
+        lengths = self._lengths()[:-1]
+        crowded = self.moved[:-1] & self.moved[1:] & (lengths < CROWDED * self.radius)
+        place = np.floor(np.where(crowded, lengths, 0.0).cumsum() / (SPACED * self.radius))
+        stays = np.ones(len(self), dtype=bool)
+        # the last in each stretch, and the ends of each crowd
+        stays[1:-1] = ~(crowded[1:] & crowded[:-1]) | (place[1:] != place[:-1])
+        return np.flatnonzero(stays)
 
     # -- rows --------------------------------------------------------------------------------------
 
@@ -209,12 +235,16 @@ def _within(points: Array, reach: Array, starts: Array, stops: Array) -> Mask:
     result = np.zeros(len(points), dtype=bool)
     if not len(points):
         return result
-    for k in range(0, len(starts), max(1, TABLE // len(points))):
-        start = starts[k : k + max(1, TABLE // len(points))]
-        leg = stops[k : k + len(start)] - start
+    far, each = (reach * reach)[:, None], max(1, TABLE // len(points))
+    for k in range(0, len(starts), each):
+        start = starts[k : k + each]
+        leg = stops[k : k + each] - start
         square = np.einsum("ij,ij->i", leg, leg)
-        off = points[:, None] - start
-        along = np.einsum("mij,ij->mi", off, leg) / np.where(square > 0, square, 1.0)
-        off -= np.clip(along, 0.0, 1.0)[..., None] * leg
-        result |= (np.einsum("mij,mij->mi", off, off) <= (reach**2)[:, None]).any(axis=1)
+        # coordinate by coordinate: sums over a short last axis cost several times as much
+        x, y = points[:, :1] - start[:, 0], points[:, 1:] - start[:, 1]
+        along = (x * leg[:, 0] + y * leg[:, 1]) / np.where(square > 0, square, 1.0)
+        along = np.minimum(np.maximum(along, 0.0), 1.0)
+        x -= along * leg[:, 0]
+        y -= along * leg[:, 1]
+        result |= (x * x + y * y <= far).any(axis=1)
     return result
