@@ -7,6 +7,7 @@ import math
 import numpy as np
 
 from multirep.arrays import Array, ArrayLike, Flags, Indices
+from multirep.constraints.pairing import Boxes, near_pairs
 from multirep.errors import EditError
 from multirep.representations.polyline import Polyline
 from multirep.splices import SpliceList
@@ -14,9 +15,6 @@ from multirep.splices import SpliceList
 #: Points of a stroke that are closer than this part of the radius to the last one are skipped; the
 #: brush is wider than what that loses by a factor of 16.
 SPACING = 1 / 16
-#: So many segments of a stroke are compared with the curve at once. More cost memory where the
-#: curve is dense, fewer cost calls.
-TOGETHER = 64
 
 
 def painted(curve: Polyline, stroke: ArrayLike, radius: float) -> SpliceList:
@@ -43,8 +41,8 @@ def painted(curve: Polyline, stroke: ArrayLike, radius: float) -> SpliceList:
 
     Notes
     -----
-    O(n) for the bounding box of the stroke; then 64 segments of it at a time against those of the
-    curve in reach of them that are not covered yet.
+    A hull of two discs is convex, so a box of segments that lies in one is covered, and nobody
+    looks into it; segments at its rim are cut. O(n + m) but for what runs along the rim.
 
     Examples
     --------
@@ -56,29 +54,48 @@ def painted(curve: Polyline, stroke: ArrayLike, radius: float) -> SpliceList:
     if brush.shape[1] != curve.dimension:
         raise EditError(f"a stroke in {brush.shape[1]} coordinates on a curve in {curve.dimension}")
     t, points = np.asarray(curve.t), np.asarray(curve.points)
-    begins, ends = points[:-1], points[1:]
-    k = _near(begins, ends, brush, radius)
-    covered: list[tuple[float, float]] = []
-    for first in range(0, len(brush) - 1, TOGETHER):
-        strip = brush[first : first + TOGETHER + 1]
-        near = k[_near(begins[k], ends[k], strip, radius)]
-        low, high = np.minimum(strip[1:], strip[:-1]), np.maximum(strip[1:], strip[:-1])
-        meets = _boxed(begins[near], ends[near], low[:, None] - radius, high[:, None] + radius)
-        of, hit = meets.nonzero()
-        hit = near[hit]
-        a, w = strip[of], strip[of + 1] - strip[of]
-        start, stop = _inside(begins[hit], ends[hit] - begins[hit], a, w, radius)
-        inside = stop > start
-        hit, start, stop = hit[inside], start[inside], stop[inside]
-        span = t[hit + 1] - t[hit]
-        lows = np.where(start <= 0, t[hit], t[hit] + start * span)
-        highs = np.where(stop >= 1, t[hit + 1], t[hit] + stop * span)
-        covered += _joined(lows, highs)
-        # What is covered already need not be looked at again: people paint to and fro.
-        k = k[~np.isin(k, hit[(start <= 0) & (stop >= 1)])]
-    if not covered:
+    near = _in_reach(points, brush, radius)
+    begins, ends, first, last = points[near], points[near + 1], t[near], t[near + 1]
+    axes, steps = brush[:-1], brush[1:] - brush[:-1]
+    segments = Boxes.of(np.minimum(begins, ends), np.maximum(begins, ends))
+    discs = Boxes.of(np.minimum(axes, brush[1:]), np.maximum(axes, brush[1:]))
+
+    def inside(level: int, of: Indices, by: Indices) -> Flags:
+        """Whether boxes of segments lie in the hull in the middle of each run of the brush."""
+        low, high = (side[of] for side in segments.at(level))
+        by = discs.middles(level, by)
+        off = 0.5 * (low + high) - axes[by]
+        step = steps[by]
+        square = np.einsum("md,md->m", step, step)
+        along = np.einsum("md,md->m", off, step) / np.where(square > 0, square, 1.0)
+        off -= np.clip(along, 0.0, 1.0)[:, None] * step
+        reach = radius - 0.5 * np.sqrt(np.einsum("md,md->m", high - low, high - low))
+        return np.asarray((reach > 0) & (np.einsum("md,md->m", off, off) <= reach * reach))
+
+    starts, stops = [], []
+    covered = np.zeros(len(near), dtype=bool)
+    for of, by in near_pairs(segments, discs, radius, inside, covered):
+        start, stop = _inside(begins[of], ends[of] - begins[of], axes[by], steps[by], radius)
+        covered[of[(start <= 0) & (stop >= 1)]] = True
+        some = stop > start
+        of, start, stop = of[some], start[some], stop[some]
+        span = last[of] - first[of]
+        starts.append(np.where(start <= 0, first[of], first[of] + start * span))
+        stops.append(np.where(stop >= 1, last[of], first[of] + stop * span))
+    found = _joined(
+        np.concatenate([first[covered], *starts]), np.concatenate([last[covered], *stops])
+    )
+    if not found:
         raise EditError(f"the stroke of radius {radius:g} covers nothing of the curve")
-    return SpliceList(covered)
+    return SpliceList(found)
+
+
+def _in_reach(points: Array, brush: Array, radius: float) -> Indices:
+    """Return the segments whose box meets that of the brush."""
+    low, high = brush.min(axis=0) - radius, brush.max(axis=0) + radius
+    below, above = points < low, points > high  # a segment is away if both its ends are
+    away = (below[1:] & below[:-1]) | (above[1:] & above[:-1])
+    return np.flatnonzero(~away.any(axis=1))
 
 
 def _thinned(points: Array, spacing: float) -> Array:
@@ -103,18 +120,6 @@ def _joined(starts: Array, stops: Array) -> list[tuple[float, float]]:
     return (
         list(zip(starts[first].tolist(), reach[last].tolist(), strict=True)) if len(reach) else []
     )
-
-
-def _near(begins: Array, ends: Array, brush: Array, radius: float) -> Indices:
-    """Return the indices of the segments in reach of the box of a part of the brush."""
-    low, high = brush.min(axis=0) - radius, brush.max(axis=0) + radius
-    return _boxed(begins, ends, low, high).nonzero()[0]
-
-
-def _boxed(one: Array, other: Array, low: Array, high: Array) -> Flags:
-    """Say which segments have a box that meets a box."""
-    meets = (np.maximum(one, other) >= low) & (np.minimum(one, other) <= high)
-    return np.asarray(meets.all(axis=-1))
 
 
 def _inside(p: Array, v: Array, a: Array, w: Array, radius: float) -> tuple[Array, Array]:

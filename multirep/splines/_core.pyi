@@ -179,5 +179,11 @@ def plus(
     /,
 ) -> None: ...
 def farthest(
-    t: Array, points: Array, limits: Array | None, kept: IntArray, largest: Array, worst: IntArray, /
+    t: Array,
+    points: Array,
+    limits: Array | None,
+    kept: IntArray,
+    largest: Array,
+    worst: IntArray,
+    /,
 ) -> None: ...

@@ -13,8 +13,10 @@ from hypothesis import strategies as st
 import multirep as mr
 from multirep.constraints import Freeze, painting
 from multirep.constraints.painting import painted
+from multirep.constraints.pairing import TOGETHER
 from multirep.errors import EditError
 from multirep.representations import Polyline
+from multirep.splices import SpliceList
 from multirep.tools import DirectManipulation
 
 
@@ -79,8 +81,51 @@ def test_strokes_as_people_draw_them(stroke: Any) -> None:
     assert 0.02 < painted(polyline, stroke, 0.2).length < 0.2
 
 
-def test_painting_to_and_fro_costs_as_much_as_once(monkeypatch: pytest.MonkeyPatch) -> None:
-    """What is covered already is not looked at again, and long strokes are taken in strips."""
+def pair_by_pair(polyline: Polyline, stroke: Any, radius: float) -> SpliceList:
+    """Each segment against each hull of two discs, and their union."""
+    brush = painting._thinned(np.asarray(stroke, dtype=float), radius / 16)
+    t, points = np.asarray(polyline.t), np.asarray(polyline)
+    found = SpliceList.EMPTY
+    for a, b in pairwise(brush):
+        axis = np.repeat([a, b - a], [len(t) - 1, len(t) - 1], axis=0).reshape(2, len(t) - 1, -1)
+        low, high = painting._inside(points[:-1], np.diff(points, axis=0), *axis, radius)
+        span = np.diff(t)
+        starts = np.where(low <= 0, t[:-1], t[:-1] + low * span)
+        stops = np.where(high >= 1, t[1:], t[:-1] + high * span)
+        found |= SpliceList(
+            (x, y) for x, y, some in zip(starts, stops, high > low, strict=True) if some
+        )
+    return found
+
+
+@given(
+    st.integers(1, 3),
+    st.integers(2, 300),
+    st.integers(1, 80),
+    st.sampled_from([2.0**-6, 0.125, 1.0, 8.0]),
+    st.integers(0, 2**32 - 1),
+)
+def test_boxes_leave_out_nothing_that_counts(
+    dimension: int, count: int, samples: int, radius: float, seed: int
+) -> None:
+    """From coarse to fine gives the bits of each pair by itself, wherever curve and brush go."""
+    rng = np.random.default_rng(seed)
+    steps = rng.integers(-8, 9, (count, dimension)) / rng.choice([8, 64, 512], (count, 1))
+    steps[-1, 0] = 1
+    polyline = Polyline(np.arange(count), steps.cumsum(axis=0))
+    stroke = polyline.points[rng.integers(0, count)] + np.cumsum(
+        rng.integers(-4, 5, (samples, dimension)) / rng.choice([4, 32, 256], (samples, 1)), axis=0
+    )
+    expected = pair_by_pair(polyline, stroke, radius)
+    if expected:
+        assert painted(polyline, stroke, radius) == expected
+    else:
+        with pytest.raises(EditError, match="covers nothing"):
+            painted(polyline, stroke, radius)
+
+
+def test_only_what_is_at_the_rim_is_looked_at_closely(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Pairs of a segment and a piece of brush: some at the rim, a few per piece of a thin brush."""
     looked: list[int] = []
 
     def counted(p: Any, *others: Any) -> Any:
@@ -89,16 +134,20 @@ def test_painting_to_and_fro_costs_as_much_as_once(monkeypatch: pytest.MonkeyPat
 
     inside = painting._inside
     monkeypatch.setattr(painting, "_inside", counted)
-    line = Polyline(np.linspace(0, 1, 2001), np.linspace([0, 0], [10, 0], 2001))
-    there = np.linspace([2, 0.1], [7, 0.1], 640)
+    n = 20_001
+    line = Polyline(np.linspace(0, 1, n), np.linspace([0, 0], [10, 0], n))
+    there = np.linspace([2, 0.1], [7, 0.1], 6_401)
     once = painted(line, there, 0.5)
-    calls, pairs = len(looked), sum(looked)
-    assert calls <= len(there) / 64 + 1
+    assert sum(looked) <= 500
     looked.clear()
     many = painted(line, np.concatenate([there, there[::-1]] * 10), 0.5)
     assert list(many.hull) == pytest.approx(list(once.hull), abs=0.05 / 16)  # of skipped points
     assert len(many) == 1
-    assert sum(looked) <= 2 * pairs
+    assert sum(looked) <= 20 * 500
+    looked.clear()
+    painted(line, there - [0, 0.1], 2.0**-10)
+    assert sum(looked) <= 8 * n
+    assert max(looked) <= TOGETHER
 
 
 def test_a_stroke_far_away_is_refused() -> None:
