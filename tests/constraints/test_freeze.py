@@ -11,6 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import multirep as mr
+from multirep.agreeing import NEAR
 from multirep.constraints import Freeze, Mark
 from multirep.edit import Edit
 from multirep.errors import FrozenError, MultirepError
@@ -205,6 +206,44 @@ def test_what_stays_frozen_beside_a_released_freeze_is_free_when_frozen_anew() -
     made.constrain("c", Freeze(interval=(0.3, 0.4)), name="ears")
     assert (curve.frozen - ears).length < 5e-3
     made.apply("c", move)
+
+
+WIDE = ENDS.filter(lambda ends: ends[1] - ends[0] >= 0.02)
+
+
+@settings(max_examples=25)
+@given(WIDE, WIDE, st.booleans())
+def test_a_release_keeps_the_least_that_keeps_the_bits(
+    other: list[float], asked: list[float], first: bool
+) -> None:
+    """What stays is what freezing anew would keep, if no other freeze stood in the way at first.
+
+    Else a border may lie where a representation cannot stop; then it is where the last of them can.
+    """
+    curve = wave()
+    wanted, outer = SpliceList([tuple(asked)]), SpliceList([tuple(other)])
+    if first:
+        curve.freeze("asked", wanted)
+    curve.freeze("other", outer)
+    clear = first or not any(curve.frozen.contains(end) for end in asked if 0 < end < 1)
+    if not first:
+        curve.freeze("asked", wanted)
+    before = bits(curve, *asked) + stored(curve, *asked)
+    curve.thaw("other")
+    assert bits(curve, *asked) + stored(curve, *asked) == before
+    kept = curve.frozen
+    least = Interval(*asked)
+    for kind in KINDS:
+        guard = curve.view(kind).held(Interval(*asked), wanted)[1]
+        assert (SpliceList([guard]) - kept).length <= 1e-9  # but for what guards the border
+        least = least.hull(guard)
+    # all kinds stop in one place, at which they also agree: that moves a border a little
+    assert (kept - SpliceList([least])).length <= 2 * (NEAR + 2.0**-8)
+    if clear:
+        assert (kept - wanted).length <= 2 * NEAR
+        curve.thaw("asked")
+        curve.freeze("asked", wanted)
+        assert list(kept.hull) == pytest.approx(list(curve.frozen.hull), abs=NEAR)
 
 
 def test_freezes_that_overlap_outlive_each_other() -> None:
