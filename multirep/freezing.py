@@ -10,8 +10,10 @@ for all.
 Claims that overlap are one stretch. When one of them is released, a border of another may lie
 where nothing was prepared, and may not be prepared any more, for that would change bits; then the
 stretch stays frozen up to the next place where every representation can stop. That cannot be less:
-a spline that is to keep its bits on a part of a span is the same polynomial on all of it. Releasing
-the other one too and freezing it anew frees the rest.
+a spline that is to keep its bits on a part of a span is the same polynomial on all of it, and reads
+p - 1 knots beyond. Releasing the other one too and freezing it anew frees the rest. A border that
+lay free when its stretch was frozen was prepared then; it stays where it is, whatever is frozen
+over it later.
 """
 
 from __future__ import annotations
