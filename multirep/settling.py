@@ -164,10 +164,7 @@ class _Loop:
     def touched(self, name: str, changed: SpliceList) -> bool:
         region = self.region(name)
         fitted = self.fitted.get(self.constraints[name].needs.name, SpliceList.EMPTY)
-        if region.length == 0:
-            return changed.contains(region) or fitted.contains(region)
-        claim = SpliceList([region])
-        return changed.intersects(claim) or fitted.intersects(claim)
+        return _meet(changed, region) or _meet(fitted, region)
 
     def residual(self, name: str) -> float:
         value = self.value(name)
@@ -273,7 +270,17 @@ class _Loop:
             edit = clear_of_ice(self.curve, value, edit, f"re-establishing {label}")
         self.curve.commit(first.needs, edit, by=f"constraint {label}")
         self.changed = self.changed | edit.splices
+        self.retain(value, edit)
         return edit
+
+    def retain(self, before: Representation, edit: Edit[Representation]) -> None:
+        """Keep what was said of constraints whose claim an edit leaves alone."""
+        for name, (value, region) in self.regions.items():
+            if value is before and not _meet(edit.splices, region):
+                self.regions[name] = edit.value, region
+                known = self.residuals.get(name)
+                if known is not None and known[0] is before:
+                    self.residuals[name] = edit.value, known[1]
 
     # -- conflicts ---------------------------------------------------------------------------------
 
@@ -339,3 +346,8 @@ class _Loop:
                 names = near or list(self.first)
                 residuals = {n: self.first[n] for n in names}
                 raise opposed(by, aim, missed, turned, self.claims(names), residuals)
+
+
+def _meet(splices: SpliceList, region: Interval) -> bool:
+    """Whether a change reaches what a constraint claims, be it a single parameter."""
+    return splices.intersects(SpliceList([region])) if region.length else splices.contains(region)

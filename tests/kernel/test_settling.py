@@ -178,6 +178,25 @@ def test_groups_go_from_high_to_low_priority_and_then_by_name() -> None:
     assert log == ["10", "6", "2"]
 
 
+@pytest.mark.parametrize("reach", [0, 1])
+def test_what_an_enforcement_leaves_alone_is_not_asked_again(reach: int) -> None:
+    """Each broken constraint says twice how far it is off: before and after it is enforced."""
+    asked: list[int] = []
+
+    @attrs.frozen
+    class Asked(Height):
+        def residual(self, value: LoopbackRepresentation) -> float:
+            asked.append(self.index)
+            return super().residual(value)
+
+    target, change = disturbed({2: 1.0, 7: 1.0, 12: 1.0})
+    constraints = {f"h{k}": Asked(k, reach=reach) for k in (2, 7, 12)}
+    settlement = settle(target, constraints, change, Scene())
+    assert settlement.rounds == 1
+    assert [done.residual for done in settlement.constraints] == [0.0, 0.0, 0.0]
+    assert sorted(asked) == [2, 2, 7, 7, 12, 12]
+
+
 def test_a_family_is_enforced_by_one_call_where_claims_overlap() -> None:
     """Chains of overlapping claims are one group, holding members included; those apart are not."""
     Together.calls.clear()
