@@ -239,6 +239,41 @@ def test_a_curve_whose_ends_meet_stays_open() -> None:
         assert edit.splices.hull.stop == pytest.approx(high, abs=0.01)
 
 
+@pytest.mark.parametrize("join", ["C0", "G1", "C2"])
+@pytest.mark.parametrize("parameters", ["redistribute", "keep"])
+@pytest.mark.parametrize("backwards", [False, True])
+@pytest.mark.parametrize("slit", [0.0, 0.01])
+def test_a_stroke_across_the_place_where_the_ends_meet_parts_there(
+    join: Any, parameters: Any, backwards: bool, slit: float
+) -> None:
+    """It replaces a stretch at either end; the far side stays, bit by bit, and the ends meet."""
+    t = np.linspace(0, 1, 401)
+    angle = 2 * np.pi * (slit + (1 - 2 * slit) * t)
+    ring = Polyline(t, np.stack([np.cos(angle), np.sin(angle)], axis=1))
+    u = np.linspace(-0.5, 0.7, 80)
+    radius = 1 + 0.2 * np.cos(np.pi * (u - 0.1) / 1.2) ** 2
+    stroke = np.stack([radius * np.cos(u), radius * np.sin(u)], axis=1)[:: -1 if backwards else 1]
+    edit = check_edit(
+        ring,
+        lambda value: Oversketch(stroke=stroke, join=join, parameters=parameters).edit(
+            value, SCENE
+        ),
+    )
+    low, high = edit.splices
+    assert low.start == 0.0
+    assert high.stop == 1.0
+    assert low.stop == pytest.approx(0.7 / (2 * np.pi), abs=0.02)
+    assert high.start == pytest.approx(1 - 0.5 / (2 * np.pi), abs=0.02)
+    between = np.linspace(low.stop, high.start, 100)
+    assert edit.value(between).tobytes() == ring(between).tobytes()
+    assert edit.value(0.0) == pytest.approx(edit.value(1.0), abs=1e-12)
+    found = edit.value(t)
+    middle = np.abs(np.arctan2(found[:, 1], found[:, 0]) - 0.1) < 0.2
+    assert middle.sum() > 10
+    wide = 1 + 0.2 * np.cos(np.pi * (np.arctan2(found[:, 1], found[:, 0]) - 0.1) / 1.2) ** 2
+    assert np.linalg.norm(found, axis=1)[middle] == pytest.approx(wide[middle], abs=2e-3)
+
+
 @pytest.mark.parametrize(
     ("stroke", "options", "message"),
     [

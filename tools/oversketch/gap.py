@@ -64,6 +64,40 @@ class _Place(NamedTuple):
     distance: float
 
 
+def find_gaps(polyline: Polyline, drawn: Array, reach: float | None) -> list[tuple[Gap, Array]]:
+    """Find what a stroke replaces: a stretch, or both ends of a curve whose ends meet.
+
+    Parameters
+    ----------
+    polyline, drawn, reach
+        See :func:`find_gap`.
+
+    Returns
+    -------
+    list of (Gap, (k, d) array)
+        From the last to the first, each with its part of the stroke in the direction of the curve.
+    """
+    gap = find_gap(polyline, drawn, reach)
+    drawn = drawn[::-1] if gap.backwards else drawn
+    lengths = arc_lengths(drawn)
+    inner = not (gap.free_start or gap.free_stop)
+    closes = inner and _closes(polyline, _allowed(lengths, reach))
+    if not (closes and _goes_round(polyline, drawn, gap)):
+        return [(gap, drawn)]
+    a, b = polyline.domain
+    way = Polyline(lengths, drawn)
+    s = way.nearest(0.5 * (polyline(a) + polyline(b))).t
+    if not 0.0 < s < lengths[-1]:
+        return [(gap, drawn)]
+    k, seam = lengths.searchsorted(s), way(s)[None]
+    to_start = np.concatenate([seam, drawn[:k][::-1]])
+    from_stop = np.concatenate([drawn[lengths > s][::-1], seam])
+    return [
+        (Gap(gap.stop, b, False, True, gap.far_stop, 0.0, False), from_stop),
+        (Gap(a, gap.start, True, False, 0.0, gap.far_start, False), to_start),
+    ]
+
+
 def find_gap(polyline: Polyline, drawn: Array, reach: float | None) -> Gap:
     """Find the stretch between the places nearest to the ends of a stroke.
 
@@ -83,7 +117,7 @@ def find_gap(polyline: Polyline, drawn: Array, reach: float | None) -> Gap:
         and what is allowed.
     """
     lengths = arc_lengths(drawn)
-    allowed = FARTHEST * float(lengths[-1]) if reach is None else reach
+    allowed = _allowed(lengths, reach)
     first, last = _place(polyline, drawn[0]), _place(polyline, drawn[-1])
     ends = (polyline.domain.start, polyline.domain.stop)
     distances = [first.distance, last.distance]
@@ -114,6 +148,10 @@ def find_gap(polyline: Polyline, drawn: Array, reach: float | None) -> Gap:
         distances.reverse()
     free = t[0] == ends[0], t[1] == ends[1]
     return Gap(t[0], t[1], *free, distances[0], distances[1], backwards)
+
+
+def _allowed(lengths: Array, reach: float | None) -> float:
+    return FARTHEST * float(lengths[-1]) if reach is None else reach
 
 
 def _place(polyline: Polyline, point: Array) -> _Place:
@@ -148,7 +186,18 @@ def _resolved(polyline: Polyline, drawn: Array, lengths: Array, t: list[float]) 
     if at_end[0] == at_end[1]:
         return list(ends) if at_end[0] and t[0] != t[1] else t
     other = t[1] if at_end[0] else t[0]
-    stations = interpolate(lengths, drawn, lengths[-1] * np.linspace(0, 1, WITNESSES + 2)[1:-1])
-    votes = sum(1 if polyline.nearest(station).t < other else -1 for station in stations)
+    votes = sum(1 if t < other else -1 for t in _witnesses(polyline, drawn, lengths))
     end = ends[0] if votes > 0 else ends[1]
     return [end, other] if at_end[0] else [other, end]
+
+
+def _goes_round(polyline: Polyline, drawn: Array, gap: Gap) -> bool:
+    """Whether a stroke runs along the rest of a curve whose ends meet, not along the gap."""
+    places = _witnesses(polyline, drawn, arc_lengths(drawn))
+    return sum(1 if gap.stretch.contains(t) else -1 for t in places) < 0
+
+
+def _witnesses(polyline: Polyline, drawn: Array, lengths: Array) -> list[float]:
+    """Parameters of the places nearest to some stations of a stroke."""
+    along = lengths[-1] * np.linspace(0, 1, WITNESSES + 2)[1:-1]
+    return [polyline.nearest(station).t for station in interpolate(lengths, drawn, along)]

@@ -12,12 +12,13 @@ from multirep.errors import EditError
 from multirep.fields import as_points, finite_points
 from multirep.representations.polyline import Polyline
 from multirep.scene import Scene
+from multirep.splices import SpliceList
 from multirep.strokes.blending import Join
 from multirep.strokes.cleaning import clean_stroke
 from multirep.strokes.options import length, length_or_zero
 from multirep.tool import Tool
 from multirep.tools.oversketch.filling import fill
-from multirep.tools.oversketch.gap import find_gap
+from multirep.tools.oversketch.gap import find_gaps
 
 
 @frozen
@@ -28,7 +29,8 @@ class Oversketch(Tool[Polyline]):
     whichever direction that was drawn. Outside it nothing changes. A stroke that begins or ends
     beside an end of the curve, or beyond it, replaces everything up to that end, and the curve then
     ends where the stroke does: begun on the curve and drawn out beyond its end, it extends the
-    curve. An open curve stays open, also where its ends meet.
+    curve. An open curve stays open, also where its ends meet; a stroke across that place is parted
+    there and replaces a stretch at either end.
 
     Parameters
     ----------
@@ -115,12 +117,15 @@ class Oversketch(Tool[Polyline]):
             raise EditError(
                 f"the stroke has {drawn.shape[1]} coordinates, the curve {polyline.dimension}"
             )
-        gap = find_gap(polyline, drawn, self.reach)
-        return fill(
-            polyline,
-            gap,
-            drawn[::-1] if gap.backwards else drawn,
-            join=self.join,
-            keep=self.parameters == "keep",
-            apron=self.apron,
-        )
+        value, splices = polyline, SpliceList.EMPTY
+        for gap, part in find_gaps(polyline, drawn, self.reach):
+            edit = fill(
+                value,
+                gap,
+                part,
+                join=self.join,
+                keep=self.parameters == "keep",
+                apron=self.apron,
+            )
+            value, splices = edit.value, splices | edit.splices
+        return Edit(value, splices)
