@@ -216,4 +216,6 @@ class Representation(abc.ABC):
         elif array.size == 0 or (array.min() >= start and array.max() <= stop):
             return array
         outside = array[~((array >= start) & (array <= stop))].flat[0] if array.ndim else array[()]
-        raise ParameterError(f"t = {outside!r} lies outside the domain [{start!r}, {stop!r}]")
+        raise ParameterError(
+            f"t = {float(outside)!r} lies outside the domain [{start!r}, {stop!r}]"
+        )

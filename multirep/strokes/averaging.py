@@ -20,6 +20,7 @@ from multirep.errors import EditError
 from multirep.sampled import interpolate
 from multirep.strokes.arc_length import arc_lengths, norms
 from multirep.strokes.cleaning import Stroke
+from multirep.strokes.parting import ROUND, parted
 from multirep.strokes.places import STATIONS, nearest_lengths, runs_backwards
 from multirep.strokes.sliding import slid
 
@@ -57,7 +58,7 @@ class _Mean:
 class _Shared:
     """What two strokes share: [start, stop] on the mean, [first, last] on the new stroke.
 
-    ``distance`` is how far apart they are there, on the median.
+    ``distance`` is how far apart they are there, on the median; more than ``allowed`` is too far.
     """
 
     start: float
@@ -65,13 +66,15 @@ class _Shared:
     first: float
     last: float
     distance: float
+    allowed: float
 
 
 def average_strokes(strokes: Sequence[Stroke]) -> Stroke:
     """Return the mean of strokes over each other.
 
     A stroke drawn the other way round is reversed first. One that covers only a part of what is
-    there refines that part, faded in at its ends; one that goes beyond an end extends it.
+    there refines that part, faded in at its ends; one that goes beyond an end extends it. Over an
+    outline whose ends meet a stroke may begin anywhere.
 
     Parameters
     ----------
@@ -128,7 +131,14 @@ def _joined(mean: _Mean, stroke: Stroke, number: int) -> _Mean:
     u = mean.lengths
     if runs_backwards(mean.points, u, stroke.points, arc_lengths(stroke.points)):
         stroke = stroke.reversed()
-    s = arc_lengths(stroke.points)
+    for part in parted(mean.points, u, stroke, SAME_END):
+        mean = _averaged(mean, part, number)
+    return mean
+
+
+def _averaged(mean: _Mean, stroke: Stroke, number: int) -> _Mean:
+    """Return the mean with a stroke in it that runs along it in its direction."""
+    u, s = mean.lengths, arc_lengths(stroke.points)
     shared = _shared(mean.points, u, stroke.points, s, number)
     at, there = _anchors(
         _Corners(u[mean.corner], mean.points[mean.corner]),
@@ -141,12 +151,15 @@ def _joined(mean: _Mean, stroke: Stroke, number: int) -> _Mean:
     theirs_inside = np.interp(s[(s > shared.first) & (s < shared.last)], there, at)
     ends = np.array([shared.start, shared.stop])
     stations = np.unique(np.concatenate([ends, ours_inside, theirs_inside]))
-    apart = np.diff(stations) > SAME_STATION * u[-1]  # corresponding vertices are one station
-    stations = stations[np.concatenate([[True], apart])]
+    other = np.diff(stations) > SAME_STATION * u[-1]  # corresponding vertices are one station
+    stations = stations[np.concatenate([[True], other])]
     stations[-1] = shared.stop
     ours = interpolate(u, mean.points, stations)
     theirs = interpolate(s, stroke.points, np.interp(stations, at, there))
-    old, new = _weights(mean, u, stations, shared, s, norms(theirs - ours))
+    apart = norms(theirs - ours)
+    if float(np.median(apart)) > shared.allowed:
+        raise _elsewhere(number, float(np.median(apart)), shared.allowed)
+    old, new = _weights(mean, u, stations, shared, s, apart)
     points = ours + (new / (old + new))[:, None] * (theirs - ours)
     turns = u[mean.corner]
     turns = turns[(turns >= shared.start) & (turns <= shared.stop)]
@@ -170,29 +183,37 @@ def _joined(mean: _Mean, stroke: Stroke, number: int) -> _Mean:
 def _shared(points: Array, u: Array, other: Array, s: Array, number: int) -> _Shared:
     """Find what two strokes of the same direction share."""
     asked = np.linspace(0.0, s[-1], STATIONS)
-    _, far = nearest_lengths(points, u, interpolate(s, other, asked))
+    where, far = nearest_lengths(points, u, interpolate(s, other, asked))
     size = float(norms(np.ptp(points, axis=0)[None])[0])
     distance, allowed = float(np.median(far)), FARTHEST * size
     close = SAME_END * min(u[-1], s[-1])
     meets = norms(other[[0, -1]] - points[[0, -1]]) <= close
     if 0.5 < u[-1] / s[-1] < 2 and meets.all():
-        shared = _Shared(0.0, float(u[-1]), 0.0, float(s[-1]), distance)
+        shared = _Shared(0.0, float(u[-1]), 0.0, float(s[-1]), distance, allowed)
     else:
         ends, _ = nearest_lengths(points, u, other[[0, -1]])
         beyond, _ = nearest_lengths(other, s, points[[0, -1]])
+        jumps = np.flatnonzero(where[1:] - where[:-1] < -ROUND * u[-1])
+        if len(jumps) == 1:  # what is beside the one end of a bow goes beyond the other
+            late = int(2 * jumps[0] >= STATIONS - 2)
+            ends[late] = u[-late]
         start, first = _end(ends[0], beyond[0], 0.0, 0.0, bool(meets[0]), close)
         stop, last = _end(ends[1], beyond[1], float(u[-1]), float(s[-1]), bool(meets[1]), close)
         within = (asked >= first) & (asked <= last)
         if within.any():  # what goes beyond an end may be anywhere
             distance = float(np.median(far[within]))
-        shared = _Shared(start, stop, first, last, distance)
+        shared = _Shared(start, stop, first, last, distance, allowed)
     if not (shared.start < shared.stop and shared.first < shared.last) or distance > allowed:
-        raise EditError(
-            f"stroke {number} is not drawn over the ones before: it keeps {distance:.3g} from "
-            f"them, allowed is {allowed:.3g} ({FARTHEST:g} of their size), and it must run along a "
-            "part of them"
-        )
+        raise _elsewhere(number, distance, allowed)
     return shared
+
+
+def _elsewhere(number: int, distance: float, allowed: float) -> EditError:
+    return EditError(
+        f"stroke {number} is not drawn over the ones before: it keeps {distance:.3g} from "
+        f"them, allowed is {allowed:.3g} ({FARTHEST:g} of their size), and it must run along a "
+        "part of them"
+    )
 
 
 def _end(

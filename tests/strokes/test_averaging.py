@@ -157,6 +157,61 @@ def test_a_stroke_elsewhere_is_refused(second: list[list[float]], message: str) 
         sketched([[[0, 0], [4, 0]], second])
 
 
+def bow(start: float, stop: float, radius: float) -> Array:
+    """An arc between two angles, in turns, a vertex each hundredth of a turn."""
+    u = 2 * np.pi * np.linspace(start, stop, int(100 * abs(stop - start)) + 2)
+    return radius * np.stack([np.cos(u), np.sin(u)], axis=1)
+
+
+@given(st.integers(0, 63), st.sampled_from([0.97, 1.0, 1.05]), st.booleans())
+def test_a_closed_outline_may_be_drawn_again_from_anywhere(
+    start: int, turns: float, backwards: bool
+) -> None:
+    """Wherever the hand begins and whichever way it goes, the mean lies half way between."""
+    again = bow(start / 64, start / 64 + turns, 1.2)
+    strokes = [raw(bow(0, 1, 1.0)), raw(again[::-1] if backwards else again)]
+    mean = average_strokes(strokes).points
+    radii = np.linalg.norm(mean, axis=1)
+    assert radii.min() >= 1.0 - 1e-2  # where the strokes do not overlap, one of them fades
+    assert radii.max() <= 1.2 + 1e-2
+    assert np.median(radii) == pytest.approx(1.1, abs=1e-2)
+    turned = np.diff(np.unwrap(np.arctan2(mean[:, 1], mean[:, 0])))
+    assert turned.sum() == pytest.approx(2 * np.pi, abs=0.3)
+    assert np.linalg.norm(mean[0] - mean[-1]) <= 0.25
+    assert mean[0] == pytest.approx([1.1, 0.0], abs=0.25)  # an open end is as far from the other
+
+
+@pytest.mark.parametrize("backwards", [False, True])
+def test_a_stroke_over_the_ends_of_a_closed_outline_refines_both(backwards: bool) -> None:
+    """It is cut where they meet; what it does not reach stays."""
+    again = bow(-0.1, 0.15, 1.05)
+    mean = average_strokes([raw(bow(0, 1, 1.0)), raw(again[:: -1 if backwards else 1])]).points
+    angle = np.arctan2(mean[:, 1], mean[:, 0]) / (2 * np.pi)
+    radii = np.linalg.norm(mean, axis=1)
+    reached = (angle >= -0.1) & (angle <= 0.15)
+    assert radii[~reached] == pytest.approx(1.0, abs=1e-3)
+    assert radii[np.abs(angle) < 0.01] == pytest.approx(1.025, abs=1e-3)
+    assert mean[0] == pytest.approx(mean[-1], abs=1e-9)
+
+
+@pytest.mark.parametrize("stop", [0.8, 0.95])
+def test_a_bow_is_extended_round_to_its_beginning(stop: float) -> None:
+    """What comes closer to the other end than to the one it left still goes on from that one."""
+    mean = average_strokes([raw(bow(0, 0.7, 1.0)), raw(bow(0.2, stop, 1.05))]).points
+    turned = np.diff(np.unwrap(np.arctan2(mean[:, 1], mean[:, 0]))).sum()
+    assert turned == pytest.approx(2 * np.pi * stop, abs=1e-2)
+    assert np.linalg.norm(mean, axis=1).min() >= 0.99
+
+
+def test_a_stroke_to_and_fro_is_refused() -> None:
+    """Its ends mean a short stretch, and it runs over much more: no mean of both makes sense."""
+    line = np.stack([np.linspace(0, 10, 50), np.zeros(50)], axis=1)
+    scribble = np.concatenate([line[10:], line[20:-1][::-1]])
+    scribble[:, 1] += 0.1
+    with pytest.raises(EditError, match=r"stroke 2 is not drawn over the ones before"):
+        average_strokes([raw(line), raw(scribble)])
+
+
 def test_a_curve_from_strokes_keeps_its_promises() -> None:
     """It is a multi-representation of the mean, in any dimension, and counts merged samples."""
     drawn = [scatter(wave(EVEN), 0.01, seed) for seed in range(3)]
