@@ -274,6 +274,17 @@ def test_a_stroke_across_the_place_where_the_ends_meet_parts_there(
     assert np.linalg.norm(found, axis=1)[middle] == pytest.approx(wide[middle], abs=2e-3)
 
 
+@pytest.mark.parametrize("reach", [None, 100.0])
+def test_an_open_curve_is_not_parted(reach: float | None) -> None:
+    """However far the stroke goes: a detour past both ends stays between its own ends."""
+    t = np.linspace(0, 1, 401)
+    bow = Polyline(t, np.stack([np.cos(4 * t), np.sin(4 * t)], axis=1))
+    detour = np.array([bow(0.3), [0.0, -0.5], [0.6, 0.0], [0.3, -0.6], bow(0.7)])
+    edit = Oversketch(stroke=detour, reach=reach, straight=True).edit(bow, SCENE)
+    assert len(edit.splices) == 1
+    assert list(edit.splices.hull) == pytest.approx([0.3, 0.7], abs=0.01)
+
+
 @pytest.mark.parametrize(
     ("stroke", "options", "message"),
     [

@@ -81,7 +81,9 @@ def find_gaps(polyline: Polyline, drawn: Array, reach: float | None) -> list[tup
     drawn = drawn[::-1] if gap.backwards else drawn
     lengths = arc_lengths(drawn)
     inner = not (gap.free_start or gap.free_stop)
-    closes = inner and _closes(polyline, _allowed(lengths, reach))
+    # a wide reach is about the stroke's ends, and makes no open curve a closed one
+    close = min(_allowed(lengths, reach), _allowed(lengths, None))
+    closes = inner and _closes(polyline, close)
     if not (closes and _goes_round(polyline, drawn, gap)):
         return [(gap, drawn)]
     a, b = polyline.domain
