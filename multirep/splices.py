@@ -70,7 +70,8 @@ class SpliceList:
         object.__setattr__(self, "_stops", tuple(stops))
 
     @classmethod
-    def _canonical(cls, starts: tuple[float, ...], stops: tuple[float, ...]) -> SpliceList:
+    def unchecked(cls, starts: tuple[float, ...], stops: tuple[float, ...]) -> SpliceList:
+        """Make a list of the ends of splices that are disjoint, in order and of positive length."""
         new = cls.__new__(cls)
         object.__setattr__(new, "_starts", starts)
         object.__setattr__(new, "_stops", stops)
@@ -150,7 +151,7 @@ class SpliceList:
                 start, stop = min(start, starts[i]), max(stop, stops[j - 1])
             starts = (*starts[:i], start, *starts[j:])
             stops = (*stops[:i], stop, *stops[j:])
-        return self._canonical(starts, stops)
+        return self.unchecked(starts, stops)
 
     def __and__(self, other: SpliceList) -> SpliceList:
         small, large = _by_size(self, other)
@@ -162,7 +163,7 @@ class SpliceList:
             if i < j:
                 starts += [max(start, large._starts[i]), *large._starts[i + 1 : j]]
                 stops += [*large._stops[i : j - 1], min(stop, large._stops[j - 1])]
-        return self._canonical(tuple(starts), tuple(stops))
+        return self.unchecked(tuple(starts), tuple(stops))
 
     def __sub__(self, other: SpliceList) -> SpliceList:
         starts, stops = self._starts, self._stops
@@ -176,7 +177,7 @@ class SpliceList:
             kept = [piece for piece in (left, right) if piece is not None]
             starts = (*starts[:i], *(piece[0] for piece in kept), *starts[j:])
             stops = (*stops[:i], *(piece[1] for piece in kept), *stops[j:])
-        return self._canonical(starts, stops)
+        return self.unchecked(starts, stops)
 
     def intersects(self, other: SpliceList) -> bool:
         """Whether the interiors meet; cheaper than the intersection."""

@@ -31,7 +31,7 @@ def merged(starts: Array, stops: Array, domain: Interval) -> SpliceList:
     apart = (starts[1:] > stops[:-1]).nonzero()[0]
     firsts = starts[np.concatenate(([0], apart + 1))]
     lasts = stops[np.concatenate((apart, [len(stops) - 1]))]
-    return SpliceList(zip(firsts.tolist(), lasts.tolist(), strict=True))
+    return SpliceList.unchecked(tuple(firsts.tolist()), tuple(lasts.tolist()))
 
 
 def supports(knots: BlockArray, degree: int, rows: Indices, domain: Interval) -> SpliceList:

@@ -309,7 +309,7 @@ def test_a_splice_list_is_immutable() -> None:
 
 def test_check_names_the_broken_value() -> None:
     """check() raises InvariantError with the offending list as subject."""
-    broken = SpliceList._canonical((0.0, 0.5), (0.5, 1.0))
+    broken = SpliceList.unchecked((0.0, 0.5), (0.5, 1.0))
     with pytest.raises(InvariantError) as caught:
         broken.check()
     assert caught.value.subject is broken
