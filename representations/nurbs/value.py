@@ -95,15 +95,16 @@ class NurbsValue(Representation):
     ) -> Self:
         """Return a value with other arrays and the same domain; internal, nothing is checked."""
         new = type(self).__new__(type(self))
-        new._set(
-            self.degree if degree is None else degree,
-            self._knots if knots is None else knots,
-            self._points if points is None else points,
-            self._weights if weights is None else weights,
-            self.domain,
-            self._sizes,
-            self._known,
-        )
+        state = vars(new)
+        state.update(vars(self))
+        if degree is not None:
+            state["degree"] = degree
+        if knots is not None:
+            state["_knots"] = knots
+        if points is not None:
+            state["_points"] = points
+        if weights is not None:
+            state["_weights"] = weights
         return new
 
     # -- reading -------------------------------------------------------------------------------
