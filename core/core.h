@@ -247,5 +247,6 @@ METHOD(core_add_details);
 METHOD(core_analyse);
 METHOD(core_plus);
 METHOD(core_farthest);
+METHOD(core_insert_knots);
 
 #endif

@@ -33,6 +33,7 @@ static PyMethodDef methods[] = {
     ENTRY(analyse),
     ENTRY(plus),
     ENTRY(farthest),
+    ENTRY(insert_knots),
     {NULL, NULL, 0, NULL},
 };
 

@@ -14,7 +14,7 @@ import numpy as np
 from multirep.splines import compiled
 from multirep.splines.arrays import Array, IntArray
 
-__all__ = ["bernstein", "blossom", "blossom_rows", "refine", "unmatched_rows"]
+__all__ = ["bernstein", "blossom", "inner_knots", "refine"]
 
 #: A piece may be continued over so many times its length: that costs a few units in the last place.
 _MUCH_LONGER = 4.0
@@ -45,6 +45,24 @@ def _local(knots: Array, coefficients: Array, degree: int, spans: IntArray) -> t
     """Cut out knots k-p+1 .. k+p, shape (2p, m), and coefficients k-p .. k, shape (p+1, m, D)."""
     index = np.arange(-degree, degree + 1)[:, None] + spans
     return knots.take(index[1:]), coefficients.take(index[: degree + 1], axis=0)
+
+
+def _triangle(local: Array, points: Array, degree: int, arguments: Array) -> list[Array]:
+    """List the rows that 0, 1, .., p steps of de Boor's algorithm leave, (p + 1 - r, m, D) each.
+
+    ``arguments`` are those of the steps on the ladder, one below the other, or one for all, (m,).
+    """
+    low, high, _ = _ladder(degree)
+    below = local.take(low, axis=0)
+    shares = ((arguments - below) / (local.take(high, axis=0) - below))[..., None]
+    rest = 1.0 - shares
+    found = [points]
+    row = 0
+    for left in range(degree, 0, -1):
+        stop = row + left
+        found.append(_mixed(found[-1], shares[row:stop], rest[row:stop]))
+        row = stop
+    return found
 
 
 def blossom(
@@ -94,17 +112,8 @@ def blossom(
         compiled.core.blossom(knots, coefficients, degree, spans, arguments, found)
         return found
     local, points = _local(knots, coefficients, degree, spans)
-    low, high, steps = _ladder(degree)
-    below = local.take(low, axis=0)
-    shares = (arguments.T.take(steps, axis=0) - below) / (local.take(high, axis=0) - below)
-    shares = shares[..., None]
-    rest = 1.0 - shares
-    row = 0
-    for step in range(degree):
-        stop = row + degree - step
-        points = _mixed(points, shares[row:stop], rest[row:stop])
-        row = stop
-    return np.asarray(points[0])
+    steps = _ladder(degree)[2]
+    return np.asarray(_triangle(local, points, degree, arguments.T.take(steps, axis=0))[-1][0])
 
 
 def bernstein(
@@ -150,19 +159,10 @@ def bernstein(
     array([0.  , 0.  , 0.25])
     """
     local, points = _local(knots, coefficients, degree, spans)
-    low, high, _ = _ladder(degree)
-    below = local.take(low, axis=0)
-    shares = ((starts - below) / (local.take(high, axis=0) - below))[..., None]
-    rest = 1.0 - shares
     # (start x (p - r), knots k+1 .. k+r) in row r: the last entry of each step.
     rows = np.empty_like(points)
-    rows[degree] = points[degree]
-    row = 0
-    for step in range(degree):
-        stop = row + degree - step
-        points = _mixed(points, shares[row:stop], rest[row:stop])
-        rows[degree - step - 1] = points[-1]
-        row = stop
+    for step, left in enumerate(_triangle(local, points, degree, starts)):
+        rows[degree - step] = left[-1]
     shares = ((stops - starts) / (local[degree:] - starts))[..., None]
     rest = 1.0 - shares
     for step in range(degree):
@@ -205,28 +205,19 @@ def refine(knots: Array, coefficients: Array, degree: int, new_knots: Array) -> 
     >>> refine(knots, square, 2, np.array([0, 0, 0, 0.5, 1, 1, 1.0]))[:, 0]
     array([0. , 0. , 0.5, 1. ])
     """
-    changed, source = unmatched_rows(knots, new_knots, degree)
+    changed, source = _unmatched(knots, new_knots, degree)
     refined = coefficients.take(source, axis=0, mode="clip")
     if len(changed):
-        refined[changed] = blossom_rows(knots, coefficients, degree, new_knots, changed)
+        pieces = inner_knots(knots, degree, new_knots, changed)
+        refined[changed] = blossom(knots, coefficients, degree, *pieces)
     return refined
 
 
-def unmatched_rows(old: Array, new: Array, degree: int) -> tuple[IntArray, IntArray]:
+def _unmatched(old: Array, new: Array, degree: int) -> tuple[IntArray, IntArray]:
     """Match control points of a refined knot vector to the old ones with the same inner knots.
 
-    Parameters
-    ----------
-    old, new : (n + p + 1,), (N + p + 1,) arrays
-        Knots of a window before and after insertion; new contains old.
-    degree : int
-
-    Returns
-    -------
-    changed : (c,) indices
-        New control points whose p inner knots belong to no old control point.
-    source : (N,) indices
-        For each other one, which old control point it is.
+    Returns the new control points (c,) whose p inner knots belong to no old one, and for each of
+    all (N,) which old one it is otherwise.
     """
     count = len(new) - degree - 1
     first = new[1 : count + 1]
@@ -239,19 +230,23 @@ def unmatched_rows(old: Array, new: Array, degree: int) -> tuple[IntArray, IntAr
     return np.flatnonzero(~fits), source
 
 
-def blossom_rows(
-    knots: Array, coefficients: Array, degree: int, new_knots: Array, rows: IntArray
-) -> Array:
-    """Compute some control points of a refined spline; see `refine` for how and for the names.
+def inner_knots(
+    knots: Array, degree: int, new_knots: Array, rows: IntArray
+) -> tuple[IntArray, Array]:
+    """Say of which old piece, and where, some control points of a refined spline are blossoms.
 
     Parameters
     ----------
+    knots, degree, new_knots
+        As for `refine`.
     rows : (c,) indices
         Which of the new control points.
 
     Returns
     -------
-    (c, D) array
+    spans : (c,) indices
+    arguments : (c, p) array
+        Their inner knots.
     """
     count = len(new_knots) - degree - 1
     # The nonempty new spans of the domain, and for each new control point the middlemost one.
@@ -266,5 +261,4 @@ def blossom_rows(
     tiny = lengths.take(longest) > _MUCH_LONGER * lengths.take(chosen)
     chosen = np.where(tiny, longest, chosen)
     spans = np.asarray(knots.searchsorted(new_knots[chosen], "right") - 1)
-    arguments = new_knots.take(rows[:, None] + np.arange(1, degree + 1))
-    return blossom(knots, coefficients, degree, spans, arguments)
+    return spans, new_knots.take(rows[:, None] + np.arange(1, degree + 1))

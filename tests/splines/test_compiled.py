@@ -17,6 +17,7 @@ from hypothesis import strategies as st
 
 from multirep.blocks import BlockArray, _common
 from multirep.interval import Interval
+from multirep.representations.nurbs import boehm
 from multirep.representations.nurbs.changes import difference
 from multirep.representations.nurbs.fitting import Breakpoints
 from multirep.representations.nurbs.problem import KINK_HEIGHT, Course, Problem
@@ -444,6 +445,38 @@ def test_differences_are_the_same(spline: Spline, other: Spline, at: int, weight
         assert fast == pure
 
 
+@given(
+    st.one_of(splines(), splines((1, 3))),
+    st.lists(st.tuples(st.floats(0, 1), st.integers(1, 4)), min_size=1, max_size=6),
+    st.booleans(),
+)
+def test_knots_are_inserted_alike(
+    spline: Spline, places: list[tuple[float, int]], at_knots: bool
+) -> None:
+    """To the bit: one knot and many, often repeated ones, weights that differ here and there."""
+    p, knots, points = spline.degree, spline.knots, spline.coefficients
+    weights = None
+    if spline.rational:
+        weights = points[:, -1].copy()
+        points = points[:, :-1] / points[:, -1:]
+        weights[:-1] = 1 / 3
+    domain = knots[p], knots[len(points)]
+    breaks = np.unique(knots[(knots > domain[0]) & (knots < domain[1])])
+    new = np.repeat([share * domain[1] for share, _ in places], [times for _, times in places])
+    if at_knots and len(breaks):
+        new = np.concatenate((new, breaks[::2], np.nextafter(breaks[1::2], 0.0)))
+    new = np.sort(new[(new > domain[0]) & (new < domain[1])])
+    assume(len(new))
+    for added in (new, new[:1]):
+        fast, pure = both(lambda new=added: boehm.inserted(knots, points, weights, p, new))
+        assert (fast is None) == (pure is None)
+        if fast is not None and pure is not None:
+            assert same(fast.knots, pure.knots)
+            assert same(fast.points, pure.points)
+            assert weights is None or same(fast.weights, pure.weights)
+            assert fast.splices == pure.splices
+
+
 @given(st.lists(st.integers(0, 2**20), max_size=30))
 def test_levels_are_counted_alike(numerators: list[int]) -> None:
     """Coarse dyadic numbers and the finest."""
@@ -676,6 +709,17 @@ def test_what_does_not_fit_is_refused() -> None:
         call.analyse(np.zeros((7, 1)), np.ones((5, 11)), 4, np.empty((5, 1)), np.empty((2, 1)))
     with pytest.raises(ValueError, match="m \\+ 3 and m details"):
         call.analyse(np.zeros((7, 1)), np.ones((5, 11)), 0, np.empty((5, 1)), np.empty((3, 1)))
+    room = np.empty(7), np.empty((4, 2)), None
+    for new in ([0.0], [1.0], [np.nan], [2.0], [-1.0], [0.5, -1.0]):
+        more = np.empty(6 + len(new)), np.empty((3 + len(new), 2)), None
+        with pytest.raises(ValueError, match="inside the domain"):
+            call.insert_knots(knots, points, None, 2, np.array(new), *more)
+    with pytest.raises(ValueError, match="room for all"):
+        call.insert_knots(knots, points, None, 2, np.array([0.2, 0.5]), *room)
+    with pytest.raises(ValueError, match="room for all"):
+        call.insert_knots(knots, points, np.ones(3), 2, t, *room)
+    with pytest.raises(ValueError, match="n \\+ p \\+ 1 knots"):
+        call.insert_knots(knots, points, None, 1, t, *room)
     with pytest.raises(TypeError, match="array of format d"):
         call.find_spans(knots.astype(np.float32), 2, t, spans)
     with pytest.raises(TypeError, match="expected 2 arguments"):
