@@ -38,7 +38,7 @@ def times_of(times: int) -> int:
 def knot_inserted(curve: N, t: float, times: int) -> Edit[N]:
     """Insert one knot, once or several times; flat in n."""
     if times_of(times) > 1:
-        return knots_inserted(curve, [t] * times)
+        return knots_inserted(curve, [t] * min(times, curve.degree + 1))  # more are refused, too
     t, domain = float(t), curve.domain
     if not domain.start < t < domain.stop:
         _refuse_outside(domain, t)

@@ -234,6 +234,8 @@ def test_knots_are_checked() -> None:
         arch.insert_knot(1.0)
     with pytest.raises(EditError, match=r"is a knot 0 times already"):
         arch.insert_knot(0.5, times=3)
+    with pytest.raises(EditError, match=r"is a knot 0 times already"):
+        arch.insert_knot(0.5, times=10**15)
     with pytest.raises(EditError, match="whole number of 1 or more"):
         arch.insert_knot(0.5, times=0)
     with pytest.raises(EditError, match="it occurs 0 times"):
