@@ -7,7 +7,7 @@ the comparison of two versions cost what changed and not what there is.
 from __future__ import annotations
 
 from bisect import bisect_left, bisect_right
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from itertools import accumulate, islice, pairwise
 from operator import is_
 from typing import Any, Self
@@ -255,9 +255,7 @@ class BlockArray(NDArrayOperatorsMixin):
         if len(mine) == len(theirs) == 1 and mine[0] is not theirs[0]:
             head, end = _common(mine[0], theirs[0])
             return head, len(mine[0]) - end, len(theirs[0]) - end
-        limit = min(len(mine), len(theirs))
-        i = _shared(mine, theirs, limit)
-        j = _shared(reversed(mine), reversed(theirs), limit - i)
+        i, j = shared_ends(mine, theirs)
         low = self._ends[i - 1] if i else 0
         tail = len(self) - (self._ends[len(mine) - j - 1] if len(mine) > j else 0)
         a = self.window(low, len(self) - tail)
@@ -276,8 +274,20 @@ _EMPTY = np.empty(0)
 _EMPTY.setflags(write=False)
 
 
-def _shared(one: Iterable[Array], other: Iterable[Array], limit: int) -> int:
-    """Count the blocks from the beginning that are the same objects, at most ``limit``."""
+def shared_ends(one: Sequence[object], other: Sequence[object]) -> tuple[int, int]:
+    """Count what two sequences share, object for object, at the head and, behind it, at the tail.
+
+    Examples
+    --------
+    >>> shared_ends("abcd", "abbcd")
+    (2, 2)
+    """
+    limit = min(len(one), len(other))
+    head = _shared(one, other, limit)
+    return head, _shared(reversed(one), reversed(other), limit - head)
+
+
+def _shared(one: Iterable[object], other: Iterable[object], limit: int) -> int:
     same = (*islice(map(is_, one, other), limit), False)  # 20 ns a block: no Python loop
     return same.index(False)
 

@@ -143,6 +143,18 @@ class Representation(abc.ABC):
         chords = np.flatnonzero(differs[1:] | differs[:-1])
         return SpliceList(zip(t[chords], t[chords + 1], strict=True))
 
+    def patch(self, other: Self) -> bytes | None:
+        """Return what makes this value of ``other``, a neighbour in the history, or None.
+
+        What only the history holds is kept so. The default, None, keeps the value itself; see
+        :mod:`multirep.patches` for values that are made of block arrays.
+        """
+        return None
+
+    def patched(self, patch: bytes) -> Self:
+        """Return the value that gave ``patch`` beside this one, bit for bit."""
+        raise NotImplementedError(f"{self.name} makes no patches")
+
     def derivative(self, t: ArrayLike, order: int = 1, side: str = "right") -> Array:
         """Return the derivative by t, from the right or the left; shapes as for a call."""
         raise NotImplementedError(f"{self.name} offers no derivatives")

@@ -7,11 +7,10 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-import attrs
-
 from multirep.constraint import Constraint
 from multirep.errors import HistoryError
-from multirep.framework import CurveState, Framework
+from multirep.framework import Framework
+from multirep.history import Moment, Trail
 from multirep.journal import (
     Added,
     Applied,
@@ -64,14 +63,6 @@ class Gesture:
         return outcome
 
 
-@attrs.frozen(eq=False)
-class _Moment:
-    """Which curves there were, and their states."""
-
-    curves: Mapping[str, MultiRepresentation]
-    states: Mapping[str, CurveState]
-
-
 class Session:
     """Curves that are edited by tools, with undo and redo by gesture.
 
@@ -99,8 +90,8 @@ class Session:
     def __init__(self) -> None:
         self.framework = Framework()
         self.journal = Journal()
-        self._past: list[_Moment] = []
-        self._future: list[_Moment] = []
+        self._past = Trail()
+        self._future = Trail()
         self._open = False
 
     def add(self, name: str, curve: MultiRepresentation) -> None:
@@ -200,17 +191,17 @@ class Session:
             raise
         finally:
             self._open = False
-        self._past.append(before)
+        self._past.push(before)
         self._future.clear()
         self.journal.write(*entries)
         self.journal.remember(self.curves)
 
-    def _settled(self, verb: str) -> _Moment:
+    def _settled(self, verb: str) -> Moment:
         """Write down what was looked at since the last step; return how everything is now."""
         self._check_closed(verb)
         curves = self.curves
         self.journal.write(*self.journal.unnoticed(curves))
-        return _Moment(curves, self.framework.snapshot())
+        return Moment(curves, self.framework.snapshot())
 
     def _check_closed(self, verb: str) -> None:
         if self._open:
@@ -229,7 +220,9 @@ class Session:
         return len(self._future)
 
     def undo(self, steps: int = 1) -> None:
-        """Go back; values are bit-identical to what they were, for they are the same objects.
+        """Go back; values are bit-identical to what they were.
+
+        Those that somebody still holds are the same objects.
 
         Raises
         ------
@@ -242,7 +235,7 @@ class Session:
         """Go forth again after an undo."""
         self._travel(steps, self._future, self._past, "redo")
 
-    def _travel(self, steps: int, source: list[_Moment], target: list[_Moment], verb: str) -> None:
+    def _travel(self, steps: int, source: Trail, target: Trail, verb: str) -> None:
         self._check_closed(verb)
         if steps < 1:
             raise HistoryError(f"steps to {verb} must be 1 or more, got {steps}")
@@ -250,12 +243,12 @@ class Session:
             raise HistoryError(f"cannot {verb} {steps} steps: there are {len(source)}")
         moment = self._settled(verb)
         for _ in range(steps):
-            target.append(moment)
+            target.push(moment)
             moment = source.pop()
         self._go(moment)
         self.journal.write(Travelled(verb == "undo", steps))
 
-    def _go(self, moment: _Moment) -> None:
+    def _go(self, moment: Moment) -> None:
         there = self.framework.curves
         for name in there.keys() - moment.curves.keys():
             self.framework.remove(name)

@@ -103,6 +103,17 @@ class ValueLaws(RepresentationBase):
         """What to_dict writes goes through JSON and comes back the same."""
         check_data(representation, elements=self.elements)
 
+    def test_patches_keep_every_bit(self, representation: Representation) -> None:
+        """What the history keeps of a value makes it again of its neighbour, either way."""
+        size, interval = size_of(representation), place_of("inside", representation.domain)
+        bump = bumped(representation, interval, 1e-3, 0.1 * size)
+        other = representation.splice(bump, tolerance=1e-3 * size).value
+        for value, base in ((representation, other), (other, representation)):
+            patch = value.patch(base)
+            if patch is None:
+                pytest.skip("keeps values whole")
+            check_same(value, base.patched(patch), elements=self.elements)
+
     @pytest.mark.parametrize("seed", range(3))
     def test_reach_stays_within(self, representation: Representation, seed: int) -> None:
         """The ends that a value prefers cover what they must and stay where they may."""

@@ -12,6 +12,7 @@ from multirep.capsules import Known
 from multirep.errors import EditError, InvalidCurveError, ToleranceError
 from multirep.interval import Interval
 from multirep.nearest import nearest_in_tree
+from multirep.patches import patch_of, patched
 from multirep.representation import Nearest, Representation
 from multirep.representations.nurbs import changes, controls, evaluation
 from multirep.representations.nurbs.evaluation import (
@@ -291,6 +292,24 @@ class NurbsValue(Representation):
         return changes.difference(
             self.degree, self.domain, (self._knots, other._knots), tuple(rows)
         )
+
+    def patch(self, other: Self) -> bytes | None:
+        """Return what makes this value of ``other``; see `Representation.patch`."""
+        mine, theirs = self._stored, other._stored
+        if self.degree != other.degree or self.domain != other.domain or len(mine) != len(theirs):
+            return None
+        return patch_of(mine, theirs)
+
+    def patched(self, patch: bytes) -> Self:
+        """Return the value that gave ``patch`` beside this one; O(control points in the patch)."""
+        knots, points, *weights = patched(self._stored, patch)
+        return self._with(knots=knots, points=points, weights=weights[0] if weights else None)
+
+    @property
+    def _stored(self) -> tuple[BlockArray, ...]:
+        """Knots, points, and weights if there are any."""
+        some = self._knots, self._points
+        return some if self._weights is None else (*some, self._weights)
 
     # -- as data --------------------------------------------------------------------------------
 

@@ -14,6 +14,7 @@ from multirep.edit import Edit
 from multirep.errors import EditError, InvalidCurveError, ParameterError
 from multirep.interval import Interval
 from multirep.nearest import nearest_in_tree
+from multirep.patches import patch_of, patched
 from multirep.representation import Nearest, Representation
 from multirep.representations.polyline.boxes import BlockBoxes
 from multirep.representations.polyline.chord_length import chord_length
@@ -248,6 +249,15 @@ class Polyline(Representation):
         if self.domain != other.domain or self.dimension != other.dimension:
             return SpliceList([self.domain.hull(other.domain)])
         return changed_stretches(self.t, self.points, other.t, other.points)
+
+    def patch(self, other: Self) -> bytes | None:
+        """Return what makes this value of ``other``; see `Representation.patch`."""
+        same = self.domain == other.domain
+        return patch_of((self.t, self.points), (other.t, other.points)) if same else None
+
+    def patched(self, patch: bytes) -> Self:
+        """Return the value that gave ``patch`` beside this one; O(vertices in the patch)."""
+        return self._with(*patched((self.t, self.points), patch))
 
     def nearest(self, point: ArrayLike) -> Nearest:
         """Return the nearest place, exact up to rounding, or those of many points."""

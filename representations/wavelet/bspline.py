@@ -176,6 +176,14 @@ class WaveletBSpline(Representation):
             raise ToleranceError(str(error), tolerance=tolerance) from None
         return SampledSplice.unchecked(t, points, bound=float(bounds.max()), chord_bounds=bounds)
 
+    def patch(self, other: Self) -> bytes | None:
+        """Return what makes this value of ``other``; see `Representation.patch`."""
+        return self._graded.patch(other._graded)
+
+    def patched(self, patch: bytes) -> Self:
+        """Return the value that gave ``patch`` beside this one; O(control points in the patch)."""
+        return self._of(self._graded.patched(patch), self._known)
+
     def nearest(self, point: ArrayLike) -> Nearest:
         """Return the nearest place, or those of many points; see `Representation.nearest`."""
         return nearest_in_tree(self, lambda: tree(self._known, self._graded), point)
@@ -186,14 +194,12 @@ class WaveletBSpline(Representation):
     def fit(cls, sampled: SampledSplice, *, tolerance: float, **options: Any) -> Self:
         """Return a curve over T = ``sampled.interval`` within the allowance; few control points.
 
+        Linear in the samples; see `multirep.representations.wavelet.fitting`.
+
         Raises
         ------
         ToleranceError
             When that cannot be proved; it says what can.
-
-        Notes
-        -----
-        Linear in the samples; see `multirep.representations.wavelet.fitting`.
         """
         if options:
             raise EditError(f"a wavelet fit has no options, got {', '.join(sorted(options))}")
@@ -245,10 +251,7 @@ class WaveletBSpline(Representation):
         return Edit(edit.value, splices), Interval(before.start, after.stop)
 
     def released(self, t: float, count: int) -> Edit[Self]:
-        """Remove the knots that :meth:`held` inserted at ``t``, unless the curve bends there now.
-
-        See :meth:`Representation.released`.
-        """
+        """Remove knots that :meth:`held` inserted; see :meth:`Representation.released`."""
         return self._edit(releasing.released(self._graded, t, count))
 
     def changes(self, other: Self) -> SpliceList:
@@ -270,8 +273,7 @@ class WaveletBSpline(Representation):
         if not 0 <= index < self.size:
             raise EditError(f"there are control points 0 to {self.size - 1}, got {index}")
         row = self._point(to)[None]
-        nothing = np.empty(0)
-        return self._edit(self._graded.replaced((4, 4), nothing, (index, index + 1), row))
+        return self._edit(self._graded.replaced((4, 4), np.empty(0), (index, index + 1), row))
 
     def refine(self, interval: Interval | None = None) -> Edit[Self]:
         """Halve every span that meets the interior of ``interval`` (default T); keep the curve.

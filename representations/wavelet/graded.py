@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from struct import Struct
 from typing import Literal
 
 import attrs
@@ -10,6 +11,7 @@ import numpy as np
 from multirep.arrays import Array, Indices
 from multirep.blocks import BlockArray
 from multirep.interval import Interval
+from multirep.patches import patch_of, patched
 from multirep.representations.wavelet.dyadic import level_counts, parameters
 from multirep.splices import SpliceList
 from multirep.splines import compiled
@@ -23,6 +25,7 @@ __all__ = ["Graded", "clamped", "differences"]
 #: Parameters that lie farther apart than this many spans each are not evaluated together: gathering
 #: a span costs about 10 ns, a call 10 us.
 _SCATTERED = 1000
+_MAGNITUDE = Struct("=d")
 
 
 @attrs.frozen(eq=False)
@@ -148,6 +151,24 @@ class Graded:
         # Ends of T in both cancel; their level is 0 like that of no other knot.
         counts = self.counts + level_counts(u) - level_counts(self.u.window(*knots))
         return Graded(self.domain, self.u.replaced(*knots, u), changed, counts, magnitude)
+
+    def patch(self, other: Graded) -> bytes | None:
+        """Return what makes this curve of ``other``, or None where that is no small thing."""
+        if self.domain != other.domain:
+            return None
+        arrays = patch_of((self.u, self.points), (other.u, other.points))
+        return None if arrays is None else _MAGNITUDE.pack(self.magnitude) + arrays
+
+    def patched(self, patch: bytes) -> Graded:
+        """Return the curve that gave ``patch`` beside this one, bit for bit."""
+        (magnitude,) = _MAGNITUDE.unpack_from(patch)
+        u, points = patched((self.u, self.points), patch[_MAGNITUDE.size :])
+        counts = self.counts
+        if u is not self.u:
+            low, high, other = u.difference(self.u)
+            counts = counts + level_counts(u.window(low, high))
+            counts -= level_counts(self.u.window(low, other))
+        return Graded(self.domain, u, points, counts, magnitude)
 
     def refined(self, u: Array) -> Graded:
         """Return the same curve with more knots.

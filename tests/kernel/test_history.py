@@ -1,0 +1,252 @@
+"""Undo and redo over many steps: bits, sharing, and what a step keeps."""
+
+from __future__ import annotations
+
+import gc
+import tracemalloc
+from collections.abc import Iterator
+from contextlib import suppress
+from typing import Any
+from weakref import ref
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import multirep as mr
+from multirep import history, patches
+from multirep.constraints import Freeze
+from multirep.errors import MultirepError
+from multirep.representations import Nurbs, Polyline, WaveletBSpline
+from multirep.testing.loopback import LoopbackRepresentation
+from multirep.tools import MoveControlPoint, MoveVertex, Sweep
+
+KINDS = (Polyline, Nurbs, WaveletBSpline)
+
+
+def wave(n: int = 60) -> mr.MultiRepresentation:
+    x = np.linspace(0.0, 6.0, n)
+    return mr.MultiRepresentation.from_points(
+        np.column_stack([x, np.sin(2 * x)]), tolerance=1e-3, kinds=KINDS
+    )
+
+
+def session_of(curve: mr.MultiRepresentation) -> mr.Session:
+    session = mr.Session()
+    session.add("wave", curve)
+    return session
+
+
+def bits(curve: mr.MultiRepresentation) -> dict[str, Any]:
+    """Everything that a state says, as values that compare bit by bit and keep nothing alive."""
+    state = curve.snapshot()
+    held = {}
+    for name, one in state.held.items():
+        value = one.value
+        arrays: tuple[Any, ...] = ()
+        if isinstance(value, Polyline):
+            arrays = value.t, value.points
+        elif isinstance(value, Nurbs):
+            arrays = value.knots, value.points, value.weights, np.array(value.magnitude)
+        elif isinstance(value, WaveletBSpline):
+            graded = value._graded
+            arrays = graded.u, graded.points, np.array(graded.magnitude), graded.counts
+        held[name] = [np.asarray(array).tobytes() for array in arrays], one.stale
+    looks = [(look.kind, look.where) for look in state.looks]
+    return {
+        "held": held,
+        "looks": looks,
+        "authors": (state.authors.starts, state.authors.names),
+        "rest": (state.tolerance, dict(state.claims), state.frozen, dict(state.added)),
+    }
+
+
+def step(session: mr.Session, k: int, job: int) -> None:
+    """Make one step of some kind, and look at some of the views."""
+    curve = session.curve("wave")
+    if job == 0:
+        index = 5 + 7 * k % 40
+        session.apply("wave", MoveVertex(index=index, to=(0.1 * index, 0.1 * (k % 7))))
+    elif job == 1:
+        index = 2 + k % (curve.view(Nurbs).size - 4)
+        point = curve.view(Nurbs).points[index]
+        session.apply("wave", MoveControlPoint(index=index, to=point + np.array([0, 0.05])))
+    elif job == 2:
+        session.apply("wave", Sweep(t=0.1 + 0.08 * (k % 10), to=(0.6 * (k % 10), 0.5), level=4))
+    elif job == 3:
+        session.set_tolerance("wave", 1e-3 if curve.tolerance < 1e-3 else 5e-4)
+    elif "ice" in curve.claims:
+        session.release("wave", "ice")
+    else:
+        session.constrain("wave", Freeze(interval=(0.4, 0.45)), name="ice")
+    for kind in KINDS[: 1 + k % 3]:
+        curve.view(kind)
+
+
+@pytest.fixture(autouse=True, scope="module")
+def early() -> Iterator[None]:
+    """All moments but the nearest are kept as differences."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(history, "NEAR", 1)
+        yield
+
+
+@given(data=st.data())
+def test_any_way_through_the_history_gives_the_same_bits(data: st.DataObject) -> None:
+    """Whatever is done, undone, redone and looked at in any order: each state comes back with its
+    bits, whoever holds it.
+    """
+    curve = wave()
+    session = session_of(curve)
+    seen, at = [bits(curve)], 0
+    held: dict[int, mr.State] = {}
+    moves = ["step", "step", "step", "undo", "redo", "hold"]
+    for k in range(data.draw(st.integers(3, 12))):
+        move = data.draw(st.sampled_from(moves))
+        if move == "step":
+            if (job := data.draw(st.integers(0, 4))) == 1:
+                curve.view(Nurbs)  # a look, no step: it belongs to the moment before
+                seen[at] = bits(curve)
+                held.pop(at, None)
+            with suppress(MultirepError):
+                step(session, k, job)
+            if session.undoable == at:
+                continue
+            at += 1
+            seen[at:] = [bits(curve)]
+            held = {where: state for where, state in held.items() if where < at}
+        elif move == "undo" and at:
+            count = data.draw(st.integers(1, at))
+            session.undo(count)
+            at -= count
+        elif move == "redo" and at + 1 < len(seen):
+            count = data.draw(st.integers(1, len(seen) - 1 - at))
+            session.redo(count)
+            at += count
+        elif move == "hold":
+            held[at] = curve.snapshot()
+        assert (session.undoable, session.redoable) == (at, len(seen) - 1 - at)
+        assert bits(curve) == seen[at]
+        for name, one in curve.snapshot().held.items():
+            assert at not in held or one.value is held[at].held[name].value
+    for where, state in held.items():
+        curve.restore(state)
+        assert bits(curve) == seen[where]
+
+
+def test_what_comes_back_can_be_edited_as_before() -> None:
+    """The same steps again give the same bits, and share what they do not touch."""
+    curve = wave(3000)
+    session = session_of(curve)
+    for k in range(12):
+        step(session, k, k % 3)
+    seen = bits(curve)
+    for _ in range(2):
+        session.undo(12)
+        for k in range(12):
+            step(session, k, k % 3)
+        assert bits(curve) == seen
+    now = curve.view(Polyline).points.blocks
+    session.undo(12)
+    before = {id(block) for block in curve.view(Polyline).points.blocks}
+    assert sum(id(block) not in before for block in now) <= 3
+
+
+def test_values_that_nobody_else_holds_are_let_go() -> None:
+    """The history keeps what makes them of their neighbours, no block of theirs."""
+    curve = wave()
+    session = session_of(curve)
+    for kind in KINDS:
+        curve.view(kind)
+    values = []
+    for k in range(20):
+        step(session, k, 0)
+        values.append(ref(curve.view(Polyline)))
+    gc.collect()
+    assert not any(value() for value in values[:10]), "the last few may be remembered as sampled"
+
+
+def test_a_value_that_somebody_holds_comes_back_itself() -> None:
+    """However far away its moment is."""
+    curve = wave()
+    session = session_of(curve)
+    held = curve.view(Polyline)
+    for k in range(6):
+        step(session, k, 0)
+    session.undo(6)
+    assert curve.view(Polyline) is held
+
+
+def test_curves_of_other_kinds_and_other_curves_come_back() -> None:
+    """A kind without patches is kept as it is, and so are moments with other curves."""
+    points = [[0.0, 0.0], [1.0, 1.0], [2.0, 0.0], [3.0, 1.0]]
+    kinds = (Polyline, LoopbackRepresentation)
+    curve = mr.MultiRepresentation.from_points(points, tolerance=1e-2, kinds=kinds)
+    session = session_of(curve)
+    loops = [curve.view(LoopbackRepresentation)]
+    for k in range(4):
+        session.apply("wave", MoveVertex(index=1, to=(1, 2 + k)))
+        loops.append(curve.view(LoopbackRepresentation))
+        session.add(f"other {k}", wave(5))
+    for k in reversed(range(4)):
+        assert curve.view(LoopbackRepresentation) is loops[k + 1]
+        session.undo()
+        assert f"other {k}" not in session.curves
+        session.undo()
+    assert curve.view(LoopbackRepresentation) is loops[0]
+    session.redo(8)
+    assert curve.view(LoopbackRepresentation) is loops[4]
+    assert set(session.curves) == {"wave", *(f"other {k}" for k in range(4))}
+
+
+def test_a_step_keeps_what_it_changed_however_long_the_curve() -> None:
+    """A few dozen numbers and objects, not a block: fewer bytes than half a block of points."""
+    curve = wave(20_000)
+    session = session_of(curve)
+    for k in range(5):
+        step(session, 3 * k + 2, 0)
+    gc.collect()
+    tracemalloc.start()
+    for k in range(5, 65):
+        step(session, 3 * k + 2, 0)
+    gc.collect()
+    kept = tracemalloc.get_traced_memory()[0]
+    tracemalloc.stop()
+    assert kept / 60 < 4_000
+
+
+# -- patches of arrays -----------------------------------------------------------------------------
+
+
+@given(data=st.data(), columns=st.sampled_from([0, 2]), rows=st.integers(0, 60))
+def test_a_patch_makes_one_version_of_another(data: st.DataObject, columns: int, rows: int) -> None:
+    """Bit for bit, negative zeros and NaN too; equal arrays are the same object."""
+    numbers = st.sampled_from([0.0, -0.0, 1.0, float("nan"), 2.5])
+    shape = (columns,) if columns else ()
+
+    def draw(count: int) -> np.ndarray:
+        size = count * (columns or 1)
+        some = data.draw(st.lists(numbers, min_size=size, max_size=size))
+        return np.array(some).reshape(count, *shape)
+
+    one = mr.BlockArray.of(draw(rows))
+    low = data.draw(st.integers(0, rows))
+    high = data.draw(st.integers(low, rows))
+    two = one.replaced(low, high, draw(data.draw(st.integers(0, 20))))
+    still = mr.BlockArray.of([1.0, 2.0])
+    for mine, base in ((one, two), (two, one), (one, one)):
+        patch = patches.patch_of((mine, still), (base, still))
+        assert patch is not None
+        made, same = patches.patched((base, still), patch)
+        assert np.asarray(made).tobytes() == np.asarray(mine).tobytes()
+        assert made.shape == mine.shape
+        assert same is still
+
+
+def test_versions_that_differ_in_much_or_in_kind_have_no_patch() -> None:
+    """Whole blocks take less than a copy of all rows between two changes far apart."""
+    one = mr.BlockArray.of(np.zeros(5000))
+    two = one.replaced(5, 6, [1.0]).replaced(4000, 4001, [1.0])
+    assert patches.patch_of((one,), (two,)) is None
+    assert patches.patch_of((one,), (mr.BlockArray.of(np.zeros((3, 2))),)) is None
