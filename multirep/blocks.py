@@ -7,18 +7,17 @@ the comparison of two versions cost what changed and not what there is.
 from __future__ import annotations
 
 from bisect import bisect_left, bisect_right
-from collections.abc import Iterable, Iterator, Sequence
-from itertools import accumulate, islice, pairwise
-from operator import is_
+from collections.abc import Iterable, Iterator
+from itertools import accumulate, chain, pairwise
 from typing import Any, Self
 
 import numpy as np
-import numpy.typing as npt
 from numpy.lib.mixins import NDArrayOperatorsMixin
 
 from multirep.arrays import Array, ArrayLike, frozen_array
+from multirep.bitwise import common_ends
 from multirep.errors import InvariantError
-from multirep.splines import compiled
+from multirep.runs import Run, blocks_of, renewed, runs_of, shared_rows
 
 #: Rows in a full block. An edit copies and keeps a block (1024 rows of two coordinates: 16 KiB) and
 #: the list of all (16 bytes a block). Measured in KiB a version at 10^5 and 10^6 rows: 11 and 39
@@ -43,20 +42,31 @@ class BlockArray(NDArrayOperatorsMixin):
     (3, 4, 5)
     """
 
-    __slots__ = ("_blocks", "_ends", "_tail")
-    _blocks: tuple[Array, ...]
+    __slots__ = ("_ends", "_only", "_rows", "_runs", "_tail")
+    #: The block of an array of one block, for which everything below is a short cut.
+    _only: Array | None
+    #: Otherwise the blocks in runs, and where the runs end.
+    _runs: tuple[Run, ...]
     _ends: tuple[int, ...]
+    _rows: int
     _tail: tuple[int, ...]
 
     def __init__(self, blocks: Iterable[Array], tail: tuple[int, ...]) -> None:
-        self._blocks = tuple(blocks)
-        self._tail = tail
-        self._ends = tuple(accumulate(map(len, self._blocks)))
+        blocks = tuple(blocks)
+        self._set(blocks[0] if len(blocks) == 1 else None, runs_of(blocks), tail)
+
+    def _set(self, only: Array | None, runs: tuple[Run, ...], tail: tuple[int, ...]) -> None:
+        self._only, self._runs, self._tail = only, () if only is not None else runs, tail
+        self._ends = tuple(accumulate(run.rows for run in self._runs))
+        self._rows = len(only) if only is not None else self._ends[-1] if self._ends else 0
 
     @classmethod
-    def _of(cls, blocks: tuple[Array, ...], ends: tuple[int, ...], tail: tuple[int, ...]) -> Self:
+    def _of(cls, only: Array | None, runs: tuple[Run, ...], tail: tuple[int, ...]) -> Self:
         new = cls.__new__(cls)
-        new._blocks, new._ends, new._tail = blocks, ends, tail
+        if only is None:
+            new._set(only, runs, tail)
+        else:  # at once: this is part of every step of a drag
+            new._only, new._rows, new._runs, new._ends, new._tail = only, len(only), (), (), tail
         return new
 
     @classmethod
@@ -70,7 +80,7 @@ class BlockArray(NDArrayOperatorsMixin):
     # -- reading -----------------------------------------------------------------------------------
 
     def __len__(self) -> int:
-        return self._ends[-1] if self._ends else 0
+        return self._rows
 
     @property
     def shape(self) -> tuple[int, ...]:
@@ -95,12 +105,20 @@ class BlockArray(NDArrayOperatorsMixin):
     @property
     def nbytes(self) -> int:
         """Bytes in all blocks, shared or not."""
-        return sum(block.nbytes for block in self._blocks)
+        return 8 * self.size
 
     @property
     def blocks(self) -> tuple[Array, ...]:
-        """The blocks themselves, read-only; shared blocks of two versions are the same objects."""
-        return self._blocks
+        """The blocks themselves, read-only; shared blocks of two versions are the same objects.
+
+        O(blocks) to list them all; :attr:`runs` are listed already.
+        """
+        return (self._only,) if self._only is not None else tuple(blocks_of(self._runs))
+
+    @property
+    def runs(self) -> tuple[Run, ...]:
+        """The blocks in runs of neighbours; versions share whole runs too."""
+        return self._runs if self._only is None else (Run((self._only,)),)
 
     def window(self, start: int, stop: int) -> Array:
         """Rows start..stop-1, contiguous and read-only; no copy when they lie in one block.
@@ -110,45 +128,60 @@ class BlockArray(NDArrayOperatorsMixin):
         start, stop : int
             0 <= start <= stop <= n; not checked.
         """
-        blocks, ends = self._blocks, self._ends
-        if ends and stop <= ends[0]:
-            return blocks[0][start:stop]
-        k = bisect_right(ends, start)
-        if k == len(blocks):
+        if self._only is not None:
+            return self._only[start:stop]
+        if start == self._rows:
             return _EMPTY.reshape((0, *self._tail)) if self._tail else _EMPTY
-        first = ends[k] - blocks[k].shape[0]
-        if stop <= ends[k]:
-            return blocks[k][start - first : stop - first]
-        last = bisect_left(ends, stop)
-        pieces = [blocks[k][start - first :], *blocks[k + 1 : last]]
-        pieces.append(blocks[last][: stop - ends[last - 1]])
+        first, run, k = self._place(start)
+        blocks, ends = run.blocks, run.ends
+        low, high = start - first, stop - first
+        begin = ends[k] - len(blocks[k])
+        if high <= ends[k]:
+            return blocks[k][low - begin : high - begin]
+        pieces = [blocks[k][low - begin :]]
+        if high > run.rows:  # go on in the run that has the last row
+            pieces += blocks[k + 1 :]
+            g, last = bisect_right(self._ends, start), bisect_left(self._ends, stop)
+            pieces += blocks_of(self._runs[g + 1 : last])
+            blocks, ends = self._runs[last].blocks, self._runs[last].ends
+            k, high = -1, stop - self._ends[last - 1]
+        end = bisect_left(ends, high)
+        pieces += blocks[k + 1 : end]
+        pieces.append(blocks[end][: high - (ends[end - 1] if end else 0)])
         joined = np.concatenate(pieces)
         joined.setflags(write=False)
         return joined
 
+    def _place(self, row: int) -> tuple[int, Run, int]:
+        """Where a row is: the first row of its run, the run, the number of its block there."""
+        g = bisect_right(self._ends, row)
+        run = self._runs[g]
+        first = self._ends[g] - run.rows
+        return first, run, bisect_right(run.ends, row - first)
+
     def __getitem__(self, key: Any) -> Any:
         if isinstance(key, slice) and key.step in (None, 1):
-            start, stop, _ = key.indices(len(self))
+            start, stop, _ = key.indices(self._rows)
             return self.window(start, max(start, stop))
         if isinstance(key, int | np.integer) and not isinstance(key, bool):
-            index = int(key)
-            n = len(self)
+            index, n = int(key), self._rows
             if not -n <= index < n:
                 raise IndexError(f"index {index} is out of bounds for {n} rows")
             index %= n
-            k = bisect_right(self._ends, index)
-            return self._blocks[k][index - self._ends[k]]
+            if self._only is not None:
+                return self._only[index]
+            first, run, k = self._place(index)
+            return run.blocks[k][index - first - run.ends[k]]
         return self.__array__()[key]
 
     def __iter__(self) -> Iterator[Any]:
-        for block in self._blocks:
-            yield from block
+        return chain.from_iterable(blocks_of(self.runs))
 
     def __array__(self, dtype: Any = None, copy: bool | None = None) -> Array:
-        if len(self._blocks) == 1 and not copy:
-            array = self._blocks[0]
-        elif self._blocks:
-            array = np.concatenate(self._blocks)
+        if self._only is not None and not copy:
+            array = self._only
+        elif self._rows:
+            array = np.concatenate(self.blocks)
         else:
             array = np.empty(self.shape)
         return array if dtype is None else array.astype(dtype, copy=False)
@@ -184,87 +217,83 @@ class BlockArray(NDArrayOperatorsMixin):
 
     def searchsorted(self, value: float, side: str = "left") -> int:
         """Index that keeps a sorted (n,) array sorted, as numpy's; O(log n), no flat copy."""
-        blocks = self._blocks
-        if len(blocks) == 1:
-            return int(blocks[0].searchsorted(value, side="right" if side == "right" else "left"))
-        low, high = 0, len(blocks)
-        while low < high:  # the first block whose last value is not before `value`
-            middle = (low + high) // 2
-            last = blocks[middle][-1]
-            if last < value or (side == "right" and last == value):
-                low = middle + 1
-            else:
-                high = middle
-        if low == len(blocks):
-            return len(self)
-        before = self._ends[low] - len(blocks[low])
-        # the method: np.searchsorted takes five times as long to reach it
-        inside = int(blocks[low].searchsorted(value, side="right" if side == "right" else "left"))
-        return before + inside
+        # the method of a block: np.searchsorted takes five times as long to reach it
+        if self._only is not None:
+            return int(self._only.searchsorted(value, side="right" if side == "right" else "left"))
+        # the first run, and in it the first block, whose last value is not before `value`
+        find = bisect_right if side == "right" else bisect_left
+        g = find(self._runs, value, key=_last_of_run)
+        if g == len(self._runs):
+            return self._rows
+        run = self._runs[g]
+        k = find(run.blocks, value, key=_last)
+        block = run.blocks[k]
+        inside = int(block.searchsorted(value, side="right" if side == "right" else "left"))
+        return self._ends[g] - run.rows + run.ends[k] - len(block) + inside
 
     # -- making new versions -----------------------------------------------------------------------
 
     def replaced(self, start: int, stop: int, rows: ArrayLike) -> BlockArray:
         """Return a version in which ``rows`` stand for rows start..stop-1; the counts may differ.
 
-        Cost: O(len(rows) + BLOCK_ROWS + number of blocks); all untouched blocks are shared.
+        Cost: O(len(rows) + BLOCK_ROWS), and lists of one run and of all runs; all untouched blocks
+        and runs are shared.
         """
         new: Array = np.asarray(rows, dtype=np.float64)
         if new.shape[1:] != self._tail:
             raise InvariantError(f"rows of shape {new.shape[1:]} in an array of {self._tail}", rows)
-        if not 0 <= start <= stop <= len(self):
-            raise IndexError(f"window {start}:{stop} does not fit into {len(self)} rows")
-        blocks, ends = self._blocks, self._ends
-        if not blocks:
-            return BlockArray(_cut(frozen_array(new)), self._tail)
-        if len(blocks) == 1 and 0 < len(new) <= BLOCK_ROWS - ends[0]:
-            joined = np.concatenate((blocks[0][:start], new, blocks[0][stop:]))
+        if not 0 <= start <= stop <= self._rows:
+            raise IndexError(f"window {start}:{stop} does not fit into {self._rows} rows")
+        only = self._only
+        if only is not None and 0 < len(new) <= BLOCK_ROWS - self._rows:
+            joined = np.concatenate((only[:start], new, only[stop:]))
             joined.setflags(write=False)
-            return BlockArray._of((joined,), (len(joined),), self._tail)
-        first = min(bisect_right(ends, start), len(blocks) - 1)
-        last = min(bisect_left(ends, max(stop, start + 1)), len(blocks) - 1)
-        before = ends[first - 1] if first else 0
-        head, tail = blocks[first][: start - before], blocks[last][stop - ends[last] :]
-        pieces = [head, new, tail if stop < ends[last] else tail[:0]]
-        if len(blocks) > 1 and start - before + len(new) + ends[last] - stop < BLOCK_ROWS // 4:
-            # take a neighbour in: many small edits must not leave crumbs
-            if last + 1 < len(blocks):
-                last += 1
-                pieces.append(blocks[last])
-            elif first > 0:
-                first -= 1
-                pieces.insert(0, blocks[first])
-                before = ends[first - 1] if first else 0
-        middle = np.concatenate(pieces)
-        middle.setflags(write=False)
-        cut = _cut(middle)
-        shift = before + len(middle) - ends[last]
-        marks = [before + count for count in accumulate(map(len, cut))]
-        after = ends[last + 1 :]
-        new_ends = (*ends[:first], *marks, *(map(shift.__add__, after) if shift else after))
-        return BlockArray._of((*blocks[:first], *cut, *blocks[last + 1 :]), new_ends, self._tail)
+            return BlockArray._of(joined, (), self._tail)
+        if not self._rows:
+            return BlockArray(_cut(frozen_array(new)), self._tail)
+        runs = self.runs
+        ends = self._ends if only is None else (self._rows,)
+        low = min(bisect_right(ends, start), len(runs) - 1)
+        high = min(bisect_left(ends, max(stop, start + 1)), len(runs) - 1) + 1
+        first = ends[low] - runs[low].rows
+        run = runs[low] if high == low + 1 else Run(tuple(blocks_of(runs[low:high])))
+        blocks = _replaced(run, start - first, stop - first, new)
+        runs = renewed(runs, low, high, blocks)
+        only = runs[0].blocks[0] if len(runs) == len(runs[0].blocks) == 1 else None
+        return BlockArray._of(only, runs, self._tail)
+
+    def shared(self, other: BlockArray) -> tuple[int, int]:
+        """Count the rows in blocks that both have at the head, and those at the tail.
+
+        The blocks are the same objects; nothing is looked into. The two are counted each by itself
+        and overlap when equal blocks repeat. O(runs, and blocks in the first that differ).
+        """
+        mine, theirs = self.runs, other.runs
+        return shared_rows(mine, theirs, 1), shared_rows(mine, theirs, -1)
 
     def difference(self, other: BlockArray) -> tuple[int, int, int]:
         """Where two versions differ: ``(low, high, other_high)``.
 
         Rows before ``low`` are bitwise equal, and so are ``self[high:]`` and
         ``other[other_high:]``. Equal arrays give ``low == high == other_high``. Blocks that both
-        share are not looked into: O(changed + blocks).
+        share are not looked into: O(changed + runs).
         """
-        mine, theirs = self._blocks, other._blocks
-        if len(mine) == len(theirs) == 1 and mine[0] is not theirs[0]:
-            head, end = _common(mine[0], theirs[0])
-            return head, len(mine[0]) - end, len(theirs[0]) - end
-        i, j = shared_ends(mine, theirs)
-        low = self._ends[i - 1] if i else 0
-        tail = len(self) - (self._ends[len(mine) - j - 1] if len(mine) > j else 0)
-        a = self.window(low, len(self) - tail)
-        b = other.window(low, len(other) - tail)
-        head, end = _common(a, b)
-        return low + head, low + len(a) - end, low + len(b) - end
+        n, m = self._rows, other._rows
+        low = tail = 0
+        one, two = self._only, other._only
+        if self is other:
+            return n, n, n
+        if one is None or two is None:
+            low, tail = self.shared(other)
+            tail = min(tail, n - low, m - low)
+            one, two = self.window(low, n - tail), other.window(low, m - tail)
+        elif one is two:
+            return n, n, n
+        head, end = common_ends(one, two)
+        return low + head, n - tail - end, m - tail - end
 
     def __repr__(self) -> str:
-        return f"BlockArray(shape={self.shape}, blocks={len(self._blocks)})"
+        return f"BlockArray(shape={self.shape}, blocks={sum(len(run.blocks) for run in self.runs)})"
 
     def __reduce__(self) -> tuple[object, ...]:
         return BlockArray.of, (np.asarray(self),)
@@ -274,22 +303,33 @@ _EMPTY = np.empty(0)
 _EMPTY.setflags(write=False)
 
 
-def shared_ends(one: Sequence[object], other: Sequence[object]) -> tuple[int, int]:
-    """Count what two sequences share, object for object, at the head and, behind it, at the tail.
-
-    Examples
-    --------
-    >>> shared_ends("abcd", "abbcd")
-    (2, 2)
-    """
-    limit = min(len(one), len(other))
-    head = _shared(one, other, limit)
-    return head, _shared(reversed(one), reversed(other), limit - head)
+def _last(block: Array) -> Any:
+    return block[-1]
 
 
-def _shared(one: Iterable[object], other: Iterable[object], limit: int) -> int:
-    same = (*islice(map(is_, one, other), limit), False)  # 20 ns a block: no Python loop
-    return same.index(False)
+def _last_of_run(run: Run) -> Any:
+    return run.blocks[-1][-1]
+
+
+def _replaced(run: Run, start: int, stop: int, new: Array) -> list[Array]:
+    """Return the blocks of a run in which new rows stand for some."""
+    blocks, ends = run.blocks, run.ends
+    first = min(bisect_right(ends, start), len(blocks) - 1)
+    last = min(bisect_left(ends, max(stop, start + 1)), len(blocks) - 1)
+    before = ends[first] - len(blocks[first])
+    head, tail = blocks[first][: start - before], blocks[last][stop - ends[last] :]
+    pieces = [head, new, tail if stop < ends[last] else tail[:0]]
+    if len(blocks) > 1 and start - before + len(new) + ends[last] - stop < BLOCK_ROWS // 4:
+        # take a neighbour in: many small edits must not leave crumbs
+        if last + 1 < len(blocks):
+            last += 1
+            pieces.append(blocks[last])
+        elif first > 0:
+            first -= 1
+            pieces.insert(0, blocks[first])
+    middle = np.concatenate(pieces)
+    middle.setflags(write=False)
+    return [*blocks[:first], *_cut(middle), *blocks[last + 1 :]]
 
 
 def _cut(array: Array) -> list[Array]:
@@ -305,34 +345,3 @@ def _cut(array: Array) -> list[Array]:
         block.setflags(write=False)
         blocks.append(block)
     return blocks
-
-
-def _common(a: Array, b: Array) -> tuple[int, int]:
-    """Lengths of the common bitwise prefix, and of the common suffix of what follows it.
-
-    -0.0 and 0.0 differ. The comparison is flat: a reduction along short rows is ten times slower.
-    """
-    if compiled.active:
-        return compiled.core.common(a, b)
-    n = min(len(a), len(b))
-    if n == 0:
-        return 0, 0
-    width = a.size // len(a)
-    bits_a, bits_b = _bits(a), _bits(b)
-    differs = bits_a[: n * width] != bits_b[: n * width]
-    first = int(differs.argmax())
-    if not differs[first]:
-        return n, 0
-    head = first // width
-    rest = (n - head) * width
-    if len(a) == len(b):
-        differs = differs[head * width :]
-    else:
-        differs = bits_a[bits_a.size - rest :] != bits_b[bits_b.size - rest :]
-    last = int(differs[::-1].argmax())
-    return head, (last // width if differs[-1 - last] else n - head)
-
-
-def _bits(rows: Array) -> npt.NDArray[np.int64]:
-    bits: npt.NDArray[np.int64] = np.ascontiguousarray(rows).reshape(-1).view(np.int64)
-    return bits

@@ -16,10 +16,10 @@ from weakref import ref
 import attrs
 
 from multirep.authors import AuthorMap
-from multirep.blocks import shared_ends
 from multirep.framework import CurveState
 from multirep.multirepresentation import MultiRepresentation
 from multirep.representation import Representation
+from multirep.runs import shared_ends
 from multirep.splices import SpliceList
 from multirep.state import Held, Look, State
 

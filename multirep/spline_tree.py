@@ -116,11 +116,7 @@ def _change(mine: BlockArray, theirs: BlockArray) -> tuple[int, int] | None:
         return None
     if len(mine) == len(theirs):
         return low, high
-    tail = 0
-    for here, there in zip(reversed(mine.blocks), reversed(theirs.blocks), strict=False):
-        if here is not there:
-            break
-        tail += len(here)
+    _, tail = mine.shared(theirs)
     count = min(len(mine), len(theirs)) - tail
     count = min(count, max(2 * BLOCK_ROWS, len(mine) - high - tail))
     a = mine.window(len(mine) - tail - count, len(mine) - tail)

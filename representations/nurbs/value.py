@@ -22,7 +22,7 @@ from multirep.representations.nurbs.evaluation import (
     window_points,
 )
 from multirep.representations.nurbs.proximity import tree
-from multirep.representations.nurbs.sizes import Sizes
+from multirep.representations.nurbs.sizes import Sizes, sizes_of
 from multirep.representations.nurbs.validation import validated
 from multirep.sampled import SampledSplice
 from multirep.splices import SpliceList
@@ -138,9 +138,9 @@ class NurbsValue(Representation):
     @property
     def magnitude(self) -> float:
         """Largest |coordinate| of a control point, so of the curve too; O(changed blocks)."""
-        sizes = Sizes.of(self._points, self._sizes)
+        sizes = sizes_of(self._points, self._sizes)
         vars(self)["_sizes"] = sizes  # a cache: the value stays what it is
-        return sizes.magnitude
+        return max(sizes.wholes)
 
     def span(self, t: float, side: Side = "right") -> int:
         """Return k with knots[k] <= t < knots[k + 1] (left: knots[k] < t <= knots[k + 1]).

@@ -1,7 +1,8 @@
-"""Bounding boxes in two levels, blocks and leaves, renewed only for the blocks that changed."""
+"""Bounding boxes in three levels, runs of blocks, blocks and leaves; renewed where they changed."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from functools import cached_property
 
@@ -9,8 +10,9 @@ import attrs
 import numpy as np
 import numpy.typing as npt
 
-from multirep.arrays import Array, Indices
+from multirep.arrays import Array
 from multirep.blocks import BlockArray
+from multirep.summaries import Summaries
 
 #: Segments in a leaf. Larger: more rows to look at around a hit; smaller: more boxes to make after
 #: an edit.
@@ -18,15 +20,30 @@ LEAF = 64
 
 
 @attrs.frozen(eq=False, slots=False)
-class Leaves:
-    """Boxes of the runs of :data:`LEAF` segments of an (n, d) block, made when first asked for."""
+class BlockBox:
+    """The box of the vertices of a block, (d,) each, and those of its leaves when asked for."""
 
     block: Array
+    low: Array
+    high: Array
+    #: The largest |coordinate|; infinite if one is NaN, which would get lost in comparisons.
+    magnitude: float
+
+    @classmethod
+    def of(cls, block: Array) -> BlockBox:
+        """Measure a block."""
+        columns = np.ascontiguousarray(block.T)  # much faster than down the columns
+        low, high = columns.min(axis=1), columns.max(axis=1)
+        size = max(float(high.max()), -float(low.min()))
+        return cls(block, low, high, size if math.isfinite(size) else math.inf)
 
     @cached_property
-    def boxes(self) -> tuple[Array, Array]:
-        """Lows and highs, (k, d), links between the leaves included; O(n) once."""
-        columns = np.ascontiguousarray(self.block.T)  # much faster than down the columns
+    def leaves(self) -> tuple[Array, Array]:
+        """Lows and highs, (k, d), of the runs of :data:`LEAF` segments, with the links between.
+
+        O(n) once.
+        """
+        columns = np.ascontiguousarray(self.block.T)
         starts = np.arange(0, columns.shape[1], LEAF)
         low = np.minimum.reduceat(columns, starts, axis=1)
         high = np.maximum.reduceat(columns, starts, axis=1)
@@ -37,94 +54,60 @@ class Leaves:
 
 
 @attrs.frozen(eq=False, slots=False)
+class RunBoxes:
+    """The boxes of some neighbouring blocks, and the largest |coordinate| in them."""
+
+    boxes: tuple[BlockBox, ...]
+    magnitude: float
+
+    @classmethod
+    def of(cls, boxes: tuple[BlockBox, ...]) -> RunBoxes:
+        """Join the boxes of blocks."""
+        return cls(boxes, max([box.magnitude for box in boxes]))
+
+    @cached_property
+    def lows(self) -> Array:
+        """Of each block, (k, d)."""
+        return np.array([box.low for box in self.boxes])
+
+    @cached_property
+    def highs(self) -> Array:
+        """Of each block, (k, d)."""
+        return np.array([box.high for box in self.boxes])
+
+
+@attrs.frozen(eq=False)
 class BlockBoxes:
     """The bounding boxes of the segments of a polyline in an (n, d) block array.
 
     Parameters
     ----------
-    blocks : tuple of arrays
-        The blocks themselves, to know them again in the next version.
-    leaves : tuple of Leaves
-        One a block.
-    lows, highs : (blocks, d) arrays
-        The boxes of the blocks' vertices.
+    of_blocks : Summaries
+        The boxes of the vertices of each block, and of the blocks of each run.
 
     Examples
     --------
     >>> boxes = BlockBoxes.of(BlockArray.of([[0.0, 2.0], [1.0, -3.0]]))
-    >>> boxes.lows, boxes.magnitude
-    (array([[ 0., -3.]]), 3.0)
+    >>> boxes.magnitude, boxes.runs(lambda lows, highs: lows[:, 1] < -2.0)
+    (3.0, [(0, 2)])
     """
 
-    blocks: tuple[Array, ...]
-    leaves: tuple[Leaves, ...]
-    lows: Array
-    highs: Array
+    of_blocks: Summaries[BlockBox, RunBoxes]
 
     @classmethod
     def of(cls, points: BlockArray, known: BlockBoxes | None = None) -> BlockBoxes:
         """Return the boxes of ``points``; those of blocks shared with ``known`` are taken over.
 
-        Cost: O(changed blocks), and O(blocks) to see which.
+        Cost: O(changed blocks), and O(runs) to see which.
         """
-        blocks = points.blocks
-        old = known.blocks if known is not None else ()
-        if known is not None and blocks is old:
-            return known
-        limit = min(len(blocks), len(old))
-        head = 0
-        while head < limit and blocks[head] is old[head]:
-            head += 1
-        tail = 0
-        while tail < limit - head and blocks[-1 - tail] is old[-1 - tail]:
-            tail += 1
-        changed = blocks[head : len(blocks) - tail]
-        fresh = tuple(map(Leaves, changed))
-        columns = [np.ascontiguousarray(block.T) for block in changed]  # as in Leaves
-        shape = len(changed), points.shape[1]
-        low: Array = np.array([column.min(axis=1) for column in columns]).reshape(shape)
-        high: Array = np.array([column.max(axis=1) for column in columns]).reshape(shape)
-        if known is None:
-            return cls(blocks, fresh, low, high)
-        after = len(old) - tail
-        return cls(
-            blocks,
-            (*known.leaves[:head], *fresh, *known.leaves[after:]),
-            np.concatenate([known.lows[:head], low, known.lows[after:]]),
-            np.concatenate([known.highs[:head], high, known.highs[after:]]),
-        )
+        before = Summaries() if known is None else known.of_blocks
+        after = before.renewed(points, BlockBox.of, RunBoxes.of)
+        return known if known is not None and after is before else cls(after)
 
     @property
     def magnitude(self) -> float:
-        """The largest |coordinate|."""
-        return max(float(self.highs.max()), -float(self.lows.min()))
-
-    @cached_property
-    def starts(self) -> Indices:
-        """The first row of each block."""
-        lengths = np.array([len(block) for block in self.blocks])
-        starts: Indices = lengths.cumsum() - lengths
-        return starts
-
-    @cached_property
-    def linked(self) -> tuple[Array, Array]:
-        """Lows and highs, (blocks, d), of boxes that also hold the segment to the next block."""
-        firsts = np.array([block[0] for block in self.blocks[1:]]).reshape(-1, self.lows.shape[1])
-        lows, highs = self.lows.copy(), self.highs.copy()
-        np.minimum(lows[:-1], firsts, out=lows[:-1])
-        np.maximum(highs[:-1], firsts, out=highs[:-1])
-        return lows, highs
-
-    def leaf_boxes(self, block: int) -> tuple[Array, Array]:
-        """Lows and highs, (k, d), of a block's leaves, the link to the next block included."""
-        lows, highs = self.leaves[block].boxes
-        if block + 1 == len(self.blocks):
-            return lows, highs
-        lows, highs = lows.copy(), highs.copy()
-        link = self.blocks[block + 1][0]
-        np.minimum(lows[-1], link, out=lows[-1])
-        np.maximum(highs[-1], link, out=highs[-1])
-        return lows, highs
+        """The largest |coordinate|; infinite if one is NaN."""
+        return max([run.magnitude for run in self.of_blocks.wholes])
 
     def runs(self, hit: Callable[[Array, Array], npt.NDArray[np.bool_]]) -> list[tuple[int, int]]:
         """Return the vertices whose segments lie in leaves that are hit.
@@ -138,17 +121,38 @@ class BlockBoxes:
         -------
         list of (start, stop)
             Rows start .. stop - 1 with the last vertex of the last segment, disjoint, in order.
-            Cost: O(blocks), and O(leaves) of the blocks that are hit.
+            Cost: O(runs), O(blocks) of the runs that are hit, O(leaves) of the blocks that are.
         """
-        count = int(self.starts[-1]) + len(self.blocks[-1])
-        runs: list[tuple[int, int]] = []
-        for block in np.flatnonzero(hit(*self.linked)).tolist():
-            base, rows = int(self.starts[block]), len(self.blocks[block])
-            for leaf in np.flatnonzero(hit(*self.leaf_boxes(block))).tolist():
-                start = base + leaf * LEAF
-                stop = min(base + min((leaf + 1) * LEAF, rows) + 1, count)
-                if runs and start < runs[-1][1]:
-                    runs[-1] = (runs[-1][0], stop)
-                elif stop - start > 1:
-                    runs.append((start, stop))
-        return runs
+        of = self.of_blocks
+        rows = np.array([0, *(run.rows for run in of.runs)]).cumsum().tolist()
+        lows = np.array([boxes.lows.min(axis=0) for boxes in of.wholes])
+        highs = np.array([boxes.highs.max(axis=0) for boxes in of.wholes])
+        firsts = [run.blocks[0][:1] for run in of.runs]
+        found: list[tuple[int, int]] = []
+        for k in np.flatnonzero(hit(*_linked(lows, highs, firsts[1:]))).tolist():
+            run, boxes = of.runs[k], of.wholes[k]
+            links = [block[:1] for block in run.blocks[1:]] + firsts[k + 1 : k + 2]
+            for b in np.flatnonzero(hit(*_linked(boxes.lows, boxes.highs, links))).tolist():
+                stop = rows[k] + run.ends[b]
+                start = stop - len(run.blocks[b])
+                low, high = of.blocks[k][b].leaves
+                ended = _linked(low[::-1], high[::-1], links[b : b + 1])  # the last leaf
+                for leaf in np.flatnonzero(hit(*ended)[::-1]).tolist():
+                    at = start + leaf * LEAF
+                    end = min(min(at + LEAF, stop) + 1, rows[-1])
+                    if found and at < found[-1][1]:
+                        found[-1] = found[-1][0], end
+                    elif end - at > 1:
+                        found.append((at, end))
+        return found
+
+
+def _linked(lows: Array, highs: Array, links: list[Array]) -> tuple[Array, Array]:
+    """Boxes, (k, d), of which the first ones also hold a link each, (1, d) in a list."""
+    if not links:
+        return lows, highs
+    joined = np.concatenate(links)
+    lows, highs = lows.copy(), highs.copy()
+    np.minimum(lows[: len(joined)], joined, out=lows[: len(joined)])
+    np.maximum(highs[: len(joined)], joined, out=highs[: len(joined)])
+    return lows, highs

@@ -8,6 +8,7 @@ import numpy as np
 
 from multirep.arrays import Array
 from multirep.blocks import BLOCK_ROWS, BlockArray
+from multirep.runs import Run
 from multirep.splices import SpliceList
 from multirep.splines import compiled
 
@@ -99,16 +100,17 @@ def _shared(a: BlockArray, b: BlockArray) -> list[tuple[int, int, int]]:
     """Return runs of rows in blocks that both hold: (start, stop, shift to b), in order."""
     if a is b:
         return [(0, len(a), 0)]
+    common = {id(run) for run in a.runs} & {id(run) for run in b.runs}
     where: dict[int, int] = {}
     row = 0
-    for block in b.blocks:
-        where[id(block)] = row
-        row += len(block)
+    for piece in _pieces(b.runs, common):
+        where[id(piece)] = row
+        row += len(piece)
     runs: list[tuple[int, int, int]] = []
     row = 0
-    for block in a.blocks:
-        stop = row + len(block)
-        other = where.get(id(block))
+    for piece in _pieces(a.runs, common):
+        stop = row + len(piece)
+        other = where.get(id(piece))
         if other is not None:
             if runs and runs[-1][1:] == (row, other - row):
                 runs[-1] = (runs[-1][0], stop, other - row)
@@ -116,6 +118,15 @@ def _shared(a: BlockArray, b: BlockArray) -> list[tuple[int, int, int]]:
                 runs.append((row, stop, other - row))
         row = stop
     return runs
+
+
+def _pieces(runs: tuple[Run, ...], common: set[int]) -> Iterator[Run | Array]:
+    """Yield runs that both have as they are, and of the others the blocks."""
+    for run in runs:
+        if id(run) in common:
+            yield run
+        else:
+            yield from run.blocks
 
 
 def _both(

@@ -7,6 +7,7 @@ import numpy as np
 from multirep.arrays import Array, ArrayLike
 from multirep.blocks import BlockArray
 from multirep.errors import EditError, InvalidCurveError
+from multirep.runs import blocks_of
 
 #: Largest |coordinate|: squares of differences, summed over coordinates, stay finite.
 LARGEST = 1e150
@@ -101,4 +102,4 @@ def two_distinct(points: BlockArray) -> bool:
     first = points[0]
     if (points[-1] != first).any():
         return True
-    return any(bool((block != first).any()) for block in points.blocks)
+    return any(bool((block != first).any()) for block in blocks_of(points.runs))

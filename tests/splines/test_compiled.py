@@ -15,7 +15,8 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from multirep.blocks import BlockArray, _common
+from multirep.bitwise import common_ends
+from multirep.blocks import BlockArray
 from multirep.interval import Interval
 from multirep.representations.nurbs import boehm
 from multirep.representations.nurbs.changes import difference
@@ -423,7 +424,7 @@ def test_predictions_are_the_same(drawn: tuple[Target, attempt.Problem, Array]) 
 def test_common_rows_are_the_same(a: list[float], b: list[float], width: int) -> None:
     """Prefix and suffix, bit by bit; any lengths."""
     rows = [np.repeat(np.array(x), width).reshape(-1, width) for x in (a, b)]
-    fast, pure = both(lambda: _common(*rows))
+    fast, pure = both(lambda: common_ends(*rows))
     assert fast == pure
 
 
