@@ -27,7 +27,7 @@ __all__ = ["Moment", "Trail"]
 
 #: So many moments are kept whole. More take more memory, tens of kilobytes each; fewer make an undo
 #: here and there cost more than passing on a reference.
-NEAR = 4
+NEAR = 8
 
 
 @attrs.frozen(eq=False)
@@ -73,6 +73,13 @@ class Trail:
         moment = self._near.pop()
         if self._far and not self._near:
             self._near.append(_together(self._far.pop(), moment))
+        return moment
+
+    def farthest(self) -> Moment:
+        """Return the moment at the far end; O(all changes on the way)."""
+        moment = self._near[0]
+        for apart in reversed(self._far):
+            moment = _together(apart, moment)
         return moment
 
     def clear(self) -> None:

@@ -22,10 +22,13 @@ from multirep.tool import Tool
 
 @attrs.frozen(eq=False)
 class Added:
-    """A curve came in, in this state and with these kinds; ``step`` when that can be undone."""
+    """A curve came in, in this state and with these kinds; ``step`` when that can be undone.
+
+    ``state`` is None where the history of the session has it: at its far end, as differences.
+    """
 
     curve: str
-    state: State
+    state: State | None
     kinds: tuple[str, ...]
     step: bool
 

@@ -9,7 +9,7 @@ from typing import Any
 
 from multirep.constraint import Constraint
 from multirep.errors import HistoryError
-from multirep.framework import Framework
+from multirep.framework import CurveState, Framework
 from multirep.history import Moment, Trail
 from multirep.journal import (
     Added,
@@ -90,21 +90,25 @@ class Session:
     def __init__(self) -> None:
         self.framework = Framework()
         self.journal = Journal()
+        #: At its far end what the session started from, to which no step leads.
         self._past = Trail()
+        self._past.push(Moment({}, {}))
         self._future = Trail()
         self._open = False
 
     def add(self, name: str, curve: MultiRepresentation) -> None:
         """Add a curve under a new name: one undo step, but for those from before the first step."""
         state = curve.snapshot()
-        if self._past or self._future or self._open:
+        if self.undoable or self.redoable or self._open:
             with self._step() as entries:
                 self.framework.add(name, curve)
                 entries.append(Added(name, state, curve.kinds, True))
         else:
             self.framework.add(name, curve)
             self.journal.write(*self.journal.unnoticed(self.curves))
-            self.journal.write(Added(name, state, curve.kinds, False))
+            self.journal.write(Added(name, None, curve.kinds, False))
+            start = self._past.pop().states
+            self._past.push(Moment(self.curves, {**start, name: CurveState(state, {})}))
             self.journal.remember(self.curves)
 
     def curve(self, name: str) -> MultiRepresentation:
@@ -212,7 +216,7 @@ class Session:
     @property
     def undoable(self) -> int:
         """How many steps can be undone."""
-        return len(self._past)
+        return len(self._past) - 1
 
     @property
     def redoable(self) -> int:
@@ -239,8 +243,9 @@ class Session:
         self._check_closed(verb)
         if steps < 1:
             raise HistoryError(f"steps to {verb} must be 1 or more, got {steps}")
-        if steps > len(source):
-            raise HistoryError(f"cannot {verb} {steps} steps: there are {len(source)}")
+        there = self.undoable if source is self._past else self.redoable
+        if steps > there:
+            raise HistoryError(f"cannot {verb} {steps} steps: there are {there}")
         moment = self._settled(verb)
         for _ in range(steps):
             target.push(moment)
@@ -289,7 +294,8 @@ class Session:
         from multirep.script.writing import written
 
         self.journal.write(*self.journal.unnoticed(self.curves))
-        return written(self.journal.entries)
+        start = self._past.farthest().states
+        return written(self.journal.entries, {name: one.state for name, one in start.items()})
 
     def save_script(self, path: Path | str) -> None:
         """Write :meth:`script` to a file, whole or not at all.

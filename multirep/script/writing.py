@@ -30,13 +30,15 @@ from multirep.state import State
 WIDTH = 100
 
 
-def written(entries: Iterable[Entry]) -> str:
+def written(entries: Iterable[Entry], starts: Mapping[str, State]) -> str:
     """Write what a session did.
 
     Parameters
     ----------
     entries : iterable of Entry
         Of a whole journal, from the first.
+    starts : mapping of str to State
+        The states of the curves that the session started from.
 
     Returns
     -------
@@ -59,10 +61,11 @@ def written(entries: Iterable[Entry]) -> str:
                     "one of a name"
                 )
             names.add(entry.curve)
-            heads.append(_table("curve", _source(entry)))
+            state = starts[entry.curve] if entry.state is None else entry.state
+            heads.append(_table("curve", _source(entry, state)))
             if entry.step:
                 steps.append(_table("step", {"add": entry.curve}))
-            steps += [_step(look) for look in _looks(entry)]
+            steps += [_step(look) for look in _looks(entry, state)]
         else:
             steps.append(_step(entry))
     return "\n".join([*heads, *steps])
@@ -141,9 +144,8 @@ def fields(plugin: Any) -> dict[str, object]:
 # -- curves
 
 
-def _source(entry: Added) -> dict[str, object]:
+def _source(entry: Added, state: State) -> dict[str, object]:
     """Return the keys of a curve: name, tolerance, where it comes from, representations."""
-    state = entry.state
     author = state.authors.names[0]
     value: Any = state.author_value(author)
     if len(state.authors.names) > 1 or state.claims:
@@ -169,7 +171,7 @@ def _edited_before(entry: Added) -> ScriptError:
     )
 
 
-def _looks(entry: Added) -> Iterator[Looked]:
+def _looks(entry: Added, state: State) -> Iterator[Looked]:
     """Return the looks that bring a new curve to the state in which it was added.
 
     Raises
@@ -177,7 +179,6 @@ def _looks(entry: Added) -> Iterator[Looked]:
     ScriptError
         When they do not: it has a past that nobody knows.
     """
-    state = entry.state
     author = state.authors.names[0]
     kinds = [type(held.value) for held in state.held.values() if held.value is not None]
     if len(kinds) == 1:
