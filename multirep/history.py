@@ -27,7 +27,7 @@ __all__ = ["Moment", "Trail"]
 
 #: So many moments are kept whole. More take more memory, tens of kilobytes each; fewer make an undo
 #: here and there cost more than passing on a reference.
-NEAR = 8
+NEAR = 4
 
 
 @attrs.frozen(eq=False)

@@ -141,6 +141,8 @@ class Journal:
     def __init__(self) -> None:
         self._entries: list[Entry] = []
         self._left: dict[str, State] = {}
+        #: Looks at all of a curve, which there are after every step, by curve and kind.
+        self._looked: dict[tuple[str, str], Looked] = {}
 
     @property
     def entries(self) -> tuple[Entry, ...]:
@@ -164,17 +166,20 @@ class Journal:
         for name, curve in curves.items():
             before, after = self._left.get(name), curve.snapshot()
             if before is not None and before is not after:
-                found += _between(name, before, after)
+                found += self._between(name, before, after)
                 self._left[name] = after
         return tuple(found)
 
-
-def _between(curve: str, before: State, after: State) -> Iterator[Looked | Meddled]:
-    """Tell looks, which change nothing but what is held, from anything else."""
-    seen = len(before.looks)
-    same = before.authors is after.authors and before.claims is after.claims
-    if not same or before.tolerance != after.tolerance or before.looks != after.looks[:seen]:
-        yield Meddled(curve)
-        return
-    for look in after.looks[seen:]:
-        yield Looked(curve, look.kind, look.where)
+    def _between(self, curve: str, before: State, after: State) -> Iterator[Looked | Meddled]:
+        """Tell looks, which change nothing but what is held, from anything else."""
+        seen = len(before.looks)
+        same = before.authors is after.authors and before.claims is after.claims
+        if not same or before.tolerance != after.tolerance or before.looks != after.looks[:seen]:
+            yield Meddled(curve)
+            return
+        for look in after.looks[seen:]:
+            if look.where is None:
+                whole = Looked(curve, look.kind, None)
+                yield self._looked.setdefault((curve, look.kind), whole)
+            else:
+                yield Looked(curve, look.kind, look.where)
