@@ -28,6 +28,9 @@ __all__ = ["Moment", "Trail"]
 #: So many moments are kept whole. More take more memory, tens of kilobytes each; fewer make an undo
 #: here and there cost more than passing on a reference.
 NEAR = 4
+#: So many of those that were undone: they will be redone or dropped soon, and undoing more than a
+#: few steps need not pay for that.
+UNDONE = 64
 
 
 @attrs.frozen(eq=False)
@@ -44,6 +47,11 @@ class Trail:
     What comes back is bit-identical to what was put in; a value that somebody still holds comes
     back as the same object.
 
+    Parameters
+    ----------
+    near : int, optional
+        How many moments are kept whole; default `NEAR`.
+
     Examples
     --------
     >>> trail = Trail()
@@ -54,7 +62,8 @@ class Trail:
     8
     """
 
-    def __init__(self) -> None:
+    def __init__(self, near: int | None = None) -> None:
+        self._most = NEAR if near is None else near
         self._far: list[Moment | tuple[_Apart, ...]] = []
         self._near: list[Moment] = []
 
@@ -64,7 +73,7 @@ class Trail:
     def push(self, moment: Moment) -> None:
         """Put in the moment that is nearest to the present from now on; O(what changed)."""
         self._near.append(moment)
-        if len(self._near) > NEAR:
+        if len(self._near) > self._most:
             oldest = self._near.pop(0)
             self._far.append(_apart(oldest, self._near[0]))
 

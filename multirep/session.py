@@ -10,7 +10,7 @@ from typing import Any
 from multirep.constraint import Constraint
 from multirep.errors import HistoryError
 from multirep.framework import CurveState, Framework
-from multirep.history import Moment, Trail
+from multirep.history import UNDONE, Moment, Trail
 from multirep.journal import (
     Added,
     Applied,
@@ -93,7 +93,7 @@ class Session:
         #: At its far end what the session started from, to which no step leads.
         self._past = Trail()
         self._past.push(Moment({}, {}))
-        self._future = Trail()
+        self._future = Trail(UNDONE)
         self._open = False
 
     def add(self, name: str, curve: MultiRepresentation) -> None:

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import pickle
+from itertools import takewhile
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from multirep import blocks
+from multirep import blocks, runs
 from multirep.arrays import Array
 from multirep.blocks import BlockArray
 from multirep.errors import InvariantError
@@ -17,9 +18,10 @@ from multirep.errors import InvariantError
 
 @pytest.fixture(autouse=True, scope="module")
 def small_blocks() -> object:
-    """Blocks of 8 rows, so that short arrays have many."""
+    """Blocks of 8 rows in runs of 4, so that short arrays have many."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(blocks, "BLOCK_ROWS", 8)
+        patch.setattr(runs, "RUN_BLOCKS", 4)
         yield
 
 
@@ -53,6 +55,16 @@ def versions(array: Array, steps: list[tuple[int, int, int]]) -> list[tuple[Bloc
     return made
 
 
+def check_runs(array: BlockArray) -> None:
+    """The lists of an array say what its blocks are, and no run is out of bounds."""
+    assert [id(b) for run in array.runs for b in run.blocks] == [id(b) for b in array.blocks]
+    for run in array.runs:
+        assert run.ends == tuple(np.cumsum([len(b) for b in run.blocks]))
+        assert len(run) == run.rows == run.ends[-1]
+        assert len(run.blocks) <= 6
+    assert sum(map(len, array.runs)) == len(array)
+
+
 @pytest.mark.parametrize("columns", [0, 3])
 @given(data=st.data(), rows=st.integers(0, 100))
 def test_replaced_agrees_with_flat_numpy(columns: int, data: st.DataObject, rows: int) -> None:
@@ -67,6 +79,7 @@ def test_replaced_agrees_with_flat_numpy(columns: int, data: st.DataObject, rows
         assert block.size == plain.size
         np.testing.assert_array_equal(np.asarray(block), plain)
         assert all(len(b) for b in block.blocks), "no empty block"
+        check_runs(block)
         assert not any(b.flags.writeable for b in block.blocks)
 
 
@@ -167,6 +180,45 @@ def test_untouched_blocks_are_the_same_objects() -> None:
     assert len(fresh) <= 2
     assert len(b.blocks) - len(fresh) >= len(a.blocks) - 2
     assert not any(np.shares_memory(new, old) for new in fresh for old in a.blocks)
+
+
+def test_untouched_runs_are_the_same_objects() -> None:
+    """A replacement makes one run anew, or two; a version is a few objects, however long."""
+    for rows in (2_000, 20_000):
+        a = BlockArray.of(flat(rows))
+        b = a.replaced(rows // 2, rows // 2 + 3, [1.0] * 5)
+        mine = {id(run) for run in a.runs}
+        fresh = [run for run in b.runs if id(run) not in mine]
+        assert 1 <= len(fresh) <= 2
+        assert len(a.runs) - sum(id(run) in mine for run in b.runs) <= 2
+        assert sum(len(run.blocks) for run in fresh) <= 2 * 6
+
+
+@given(data=st.data(), rows=st.integers(0, 200))
+def test_shared_rows_are_those_in_common_blocks(data: st.DataObject, rows: int) -> None:
+    """From either end up to the first block that is another object, however runs are cut."""
+    made = [block for block, _ in versions(flat(rows), data.draw(edits(rows)))]
+    a, b = data.draw(st.sampled_from(made)), data.draw(st.sampled_from(made))
+    for one, two in ((a, b), (a, BlockArray(b.blocks, ()))):
+        counts = []
+        for step in (1, -1):
+            pairs = zip(one.blocks[::step], two.blocks[::step], strict=False)
+            counts.append(sum(len(x) for x, _ in takewhile(lambda pair: pair[0] is pair[1], pairs)))
+        assert one.shared(two) == tuple(counts)
+
+
+@pytest.mark.parametrize(("gone", "come"), [(1, 1), (0, 1), (3, 2), (2, 5), (5, 2), (1, 0)])
+def test_edits_at_one_place_keep_the_balance(gone: int, come: int) -> None:
+    """Thousands of them: blocks and runs stay between bounds, and the rest is shared."""
+    a = BlockArray.of(flat(20_000))
+    for k in range(5_000):
+        at = min(10_000, len(a) - gone)
+        a = a.replaced(at, at + gone, np.full(come, float(k)))
+    check_runs(a)
+    lengths = [len(block) for block in a.blocks]
+    assert max(lengths) <= 12
+    assert len(lengths) <= 4 * len(a) / 8
+    assert len(a.runs) <= 3 * len(lengths) / 4 + 2
 
 
 @pytest.mark.parametrize("rows", [1_000, 10_000, 50_000])

@@ -16,6 +16,7 @@ from hypothesis import strategies as st
 
 import multirep as mr
 from multirep import history, patches
+from multirep import session as session_module
 from multirep.constraints import Freeze
 from multirep.errors import MultirepError
 from multirep.representations import Nurbs, Polyline, WaveletBSpline
@@ -89,6 +90,7 @@ def early() -> Iterator[None]:
     """All moments but the nearest are kept as differences."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(history, "NEAR", 1)
+        patch.setattr(session_module, "UNDONE", 2)
         yield
 
 
