@@ -17,6 +17,7 @@ from hypothesis import strategies as st
 import multirep as mr
 from multirep import history, patches
 from multirep import session as session_module
+from multirep.authors import AuthorMap
 from multirep.constraints import Freeze
 from multirep.errors import MultirepError
 from multirep.representations import Nurbs, Polyline, WaveletBSpline
@@ -244,6 +245,41 @@ def test_a_patch_makes_one_version_of_another(data: st.DataObject, columns: int,
         assert np.asarray(made).tobytes() == np.asarray(mine).tobytes()
         assert made.shape == mine.shape
         assert same is still
+
+
+@given(data=st.data())
+def test_a_wavelet_is_made_again_with_all_that_it_counts(data: st.DataObject) -> None:
+    """Knots of each level and the bound of its coordinates, too."""
+    one = WaveletBSpline(np.arange(22.0).reshape(11, 2))
+    for _ in range(data.draw(st.integers(0, 3))):
+        start, length = data.draw(st.integers(0, 62)), data.draw(st.integers(1, 64))
+        part = mr.Interval(start / 64, min(start + length, 64) / 64)
+        one = one.refine(part).value
+    two = one.refine(mr.Interval(0.25, 0.75)).value
+    two = two.move_control_point(data.draw(st.integers(0, two.size - 1)), [1e3, 0]).value
+    for mine, base in ((one, two), (two, one)):
+        patch = mine.patch(base)
+        assert patch is not None
+        made, graded = base.patched(patch)._graded, mine._graded
+        assert made.magnitude == graded.magnitude
+        np.testing.assert_array_equal(made.counts, graded.counts)
+        np.testing.assert_array_equal(np.asarray(made.u), np.asarray(graded.u))
+        np.testing.assert_array_equal(np.asarray(made.points), np.asarray(graded.points))
+
+
+@given(data=st.data())
+def test_authors_come_back(data: st.DataObject) -> None:
+    """Any map is made again of any other of the domain."""
+    maps = [AuthorMap.of(mr.Interval(0, 1), "a")]
+    for _ in range(data.draw(st.integers(1, 6))):
+        start = data.draw(st.integers(0, 15))
+        part = (start / 16, data.draw(st.integers(start + 1, 16)) / 16)
+        name = data.draw(st.sampled_from("abc"))
+        maps.append(maps[-1].assigned(mr.SpliceList([part]), name))
+    one, two = data.draw(st.sampled_from(maps)), data.draw(st.sampled_from(maps))
+    apart = history._authors_apart(one, two)
+    assert history._authors_together(apart, two) == one
+    assert not isinstance(apart, AuthorMap)
 
 
 def test_versions_that_differ_in_much_or_in_kind_have_no_patch() -> None:
