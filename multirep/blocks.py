@@ -17,7 +17,7 @@ from numpy.lib.mixins import NDArrayOperatorsMixin
 from multirep.arrays import Array, ArrayLike, frozen_array
 from multirep.bitwise import common_ends
 from multirep.errors import InvariantError
-from multirep.runs import Run, blocks_of, renewed, runs_of, shared_rows
+from multirep.runs import Run, blocks_of, ends_of, renewed, runs_of, shared_rows
 
 #: Rows in a full block. An edit copies and keeps a block (1024 rows of two coordinates: 16 KiB) and
 #: the list of all (16 bytes a block). Measured in KiB a version at 10^5 and 10^6 rows: 11 and 39
@@ -53,21 +53,22 @@ class BlockArray(NDArrayOperatorsMixin):
 
     def __init__(self, blocks: Iterable[Array], tail: tuple[int, ...]) -> None:
         blocks = tuple(blocks)
-        self._set(blocks[0] if len(blocks) == 1 else None, runs_of(blocks), tail)
+        if len(blocks) == 1:
+            self._set(blocks[0], (), (), tail)
+        else:
+            runs = runs_of(blocks)
+            self._set(None, runs, ends_of(runs), tail)
 
-    def _set(self, only: Array | None, runs: tuple[Run, ...], tail: tuple[int, ...]) -> None:
-        self._only, self._runs, self._tail = only, () if only is not None else runs, tail
-        self._ends = tuple(accumulate(run.rows for run in self._runs))
-        self._rows = len(only) if only is not None else self._ends[-1] if self._ends else 0
-
-    @classmethod
-    def _of(cls, only: Array | None, runs: tuple[Run, ...], tail: tuple[int, ...]) -> Self:
-        new = cls.__new__(cls)
-        if only is None:
-            new._set(only, runs, tail)
-        else:  # at once: this is part of every step of a drag
-            new._only, new._rows, new._runs, new._ends, new._tail = only, len(only), (), (), tail
-        return new
+    def _set(
+        self,
+        only: Array | None,
+        runs: tuple[Run, ...],
+        ends: tuple[int, ...],
+        tail: tuple[int, ...],
+    ) -> Self:
+        self._only, self._runs, self._ends, self._tail = only, runs, ends, tail
+        self._rows = len(only) if only is not None else ends[-1] if ends else 0
+        return self
 
     @classmethod
     def of(cls, values: ArrayLike | BlockArray) -> BlockArray:
@@ -132,16 +133,19 @@ class BlockArray(NDArrayOperatorsMixin):
             return self._only[start:stop]
         if start == self._rows:
             return _EMPTY.reshape((0, *self._tail)) if self._tail else _EMPTY
-        first, run, k = self._place(start)
+        g = bisect_right(self._ends, start)
+        run = self._runs[g]
         blocks, ends = run.blocks, run.ends
+        first = self._ends[g] - run.rows
         low, high = start - first, stop - first
+        k = bisect_right(ends, low)
         begin = ends[k] - len(blocks[k])
         if high <= ends[k]:
             return blocks[k][low - begin : high - begin]
         pieces = [blocks[k][low - begin :]]
         if high > run.rows:  # go on in the run that has the last row
             pieces += blocks[k + 1 :]
-            g, last = bisect_right(self._ends, start), bisect_left(self._ends, stop)
+            last = bisect_left(self._ends, stop)
             pieces += blocks_of(self._runs[g + 1 : last])
             blocks, ends = self._runs[last].blocks, self._runs[last].ends
             k, high = -1, stop - self._ends[last - 1]
@@ -152,12 +156,12 @@ class BlockArray(NDArrayOperatorsMixin):
         joined.setflags(write=False)
         return joined
 
-    def _place(self, row: int) -> tuple[int, Run, int]:
-        """Where a row is: the first row of its run, the run, the number of its block there."""
+    def _place(self, row: int) -> tuple[int, int, Run, int]:
+        """Where a row is: number of its run, first row of that, run, number of its block there."""
         g = bisect_right(self._ends, row)
         run = self._runs[g]
         first = self._ends[g] - run.rows
-        return first, run, bisect_right(run.ends, row - first)
+        return g, first, run, bisect_right(run.ends, row - first)
 
     def __getitem__(self, key: Any) -> Any:
         if isinstance(key, slice) and key.step in (None, 1):
@@ -170,7 +174,7 @@ class BlockArray(NDArrayOperatorsMixin):
             index %= n
             if self._only is not None:
                 return self._only[index]
-            first, run, k = self._place(index)
+            _, first, run, k = self._place(index)
             return run.blocks[k][index - first - run.ends[k]]
         return self.__array__()[key]
 
@@ -248,9 +252,18 @@ class BlockArray(NDArrayOperatorsMixin):
         if only is not None and 0 < len(new) <= BLOCK_ROWS - self._rows:
             joined = np.concatenate((only[:start], new, only[stop:]))
             joined.setflags(write=False)
-            return BlockArray._of(joined, (), self._tail)
+            return _new(BlockArray)._set(joined, (), (), self._tail)
         if not self._rows:
             return BlockArray(_cut(frozen_array(new)), self._tail)
+        if only is None and len(new) == stop - start and new.size:
+            g, first, run, k = self._place(start)
+            if stop - first <= run.ends[k]:  # rows of one block are moved: the usual edit
+                block = run.blocks[k].copy()
+                begin = start - first - run.ends[k] + len(block)
+                block[begin : begin + len(new)] = new
+                block.setflags(write=False)
+                runs = (*self._runs[:g], run.with_block(k, block), *self._runs[g + 1 :])
+                return _new(BlockArray)._set(None, runs, self._ends, self._tail)
         runs = self.runs
         ends = self._ends if only is None else (self._rows,)
         low = min(bisect_right(ends, start), len(runs) - 1)
@@ -259,8 +272,9 @@ class BlockArray(NDArrayOperatorsMixin):
         run = runs[low] if high == low + 1 else Run(tuple(blocks_of(runs[low:high])))
         blocks = _replaced(run, start - first, stop - first, new)
         runs = renewed(runs, low, high, blocks)
-        only = runs[0].blocks[0] if len(runs) == len(runs[0].blocks) == 1 else None
-        return BlockArray._of(only, runs, self._tail)
+        if len(runs) == 1 and len(runs[0].blocks) == 1:
+            return _new(BlockArray)._set(runs[0].blocks[0], (), (), self._tail)
+        return _new(BlockArray)._set(None, runs, ends_of(runs), self._tail)
 
     def shared(self, other: BlockArray) -> tuple[int, int]:
         """Count the rows in blocks that both have at the head, and those at the tail.
@@ -299,6 +313,7 @@ class BlockArray(NDArrayOperatorsMixin):
         return BlockArray.of, (np.asarray(self),)
 
 
+_new = object.__new__
 _EMPTY = np.empty(0)
 _EMPTY.setflags(write=False)
 

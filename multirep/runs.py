@@ -29,10 +29,14 @@ class Run:
     ends: tuple[int, ...]
     rows: int
 
-    def __init__(self, blocks: tuple[Array, ...]) -> None:
+    def __init__(self, blocks: tuple[Array, ...], ends: tuple[int, ...] = ()) -> None:
         self.blocks = blocks
-        self.ends = tuple(accumulate(map(len, blocks)))
+        self.ends = ends or tuple(accumulate(map(len, blocks)))
         self.rows = self.ends[-1]
+
+    def with_block(self, k: int, block: Array) -> Run:
+        """Return the run with another block of the same length in the place of block ``k``."""
+        return Run((*self.blocks[:k], block, *self.blocks[k + 1 :]), self.ends)
 
     def __len__(self) -> int:
         return self.rows
@@ -45,6 +49,11 @@ def runs_of(blocks: Sequence[Array]) -> tuple[Run, ...]:
         return (Run(tuple(blocks)),) if blocks else ()
     marks = [len(blocks) * k // count for k in range(count + 1)]
     return tuple(Run(tuple(blocks[i:j])) for i, j in pairwise(marks))
+
+
+def ends_of(runs: tuple[Run, ...]) -> tuple[int, ...]:
+    """Return where runs end, from the first row."""
+    return tuple(accumulate([run.rows for run in runs]))
 
 
 def renewed(runs: tuple[Run, ...], low: int, high: int, blocks: Sequence[Array]) -> tuple[Run, ...]:
@@ -90,9 +99,10 @@ def shared_rows(one: Sequence[Run], other: Sequence[Run], step: int) -> int:
     O(shared runs, and blocks in the first two that are not the same run).
     """
     one, other = one[::step], other[::step]
-    whole = shared_head(one, other)
+    limit = min(len(one), len(other))
+    whole = shared_head(one, other) if limit and one[0] is other[0] else 0
     rows = sum([run.rows for run in one[:whole]]) if whole else 0
-    if whole == min(len(one), len(other)):
+    if whole == limit:
         return rows
     mine, theirs = one[whole].blocks[::step], other[whole].blocks[::step]
     count = shared_head(mine, theirs)
