@@ -74,15 +74,16 @@ class Trail:
         """Put in the moment that is nearest to the present from now on; O(what changed)."""
         self._near.append(moment)
         if len(self._near) > self._most:
-            oldest = self._near.pop(0)
-            self._far.append(_apart(oldest, self._near[0]))
+            self._far.append(_apart(self._near[0], self._near[1]))
+            del self._near[0]
 
     def pop(self) -> Moment:
         """Take out the moment nearest to the present; O(what changed)."""
-        moment = self._near.pop()
-        if self._far and not self._near:
-            self._near.append(_together(self._far.pop(), moment))
-        return moment
+        moment = self._near[-1]
+        if self._far and len(self._near) == 1:
+            self._near.insert(0, _together(self._far[-1], moment))
+            del self._far[-1]
+        return self._near.pop()
 
     def farthest(self) -> Moment:
         """Return the moment at the far end; O(all changes on the way)."""

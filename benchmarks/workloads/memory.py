@@ -53,6 +53,7 @@ def history(case: Case) -> Iterator[Contestant]:
             session = stepped(curve, indices, case.tolerance)
             added[name] = held() - before
             session.undo(len(indices))
+            del session
     for name, kept in added.items():
         yield Counted(name, kept, "bytes", ours=True)
     yield Counted("all views", whole, "bytes")
