@@ -182,23 +182,23 @@ def _as_data(looks: tuple[Look, ...]) -> list[tuple[str, SpliceList | None]]:
 class _HeldApart:
     """What makes one held value of the next one."""
 
-    patch: bytes
+    #: None where the value is that of the next one.
+    patch: bytes | None
     #: The value, as long as somebody else holds it.
-    value: ref[Representation]
+    value: ref[Representation] | None
     #: None for that of the next one.
     stale: SpliceList | None
 
 
 def _held_apart(held: Held, base: Held) -> _HeldApart | Held | None:
     value, other = held.value, base.value
-    if value is other:
-        return None if held.stale == base.stale else held
-    patch = None
-    if value is not None and type(value) is type(other) and other is not None:
-        patch = value.patch(other)
-    if value is None or patch is None:
+    stale = None if held.stale == base.stale else held.stale
+    if value is other:  # and not kept from here: the next one has what makes it
+        return None if stale is None else _HeldApart(None, None, stale)
+    if value is None or other is None or type(value) is not type(other):
         return held
-    return _HeldApart(patch, ref(value), None if held.stale == base.stale else held.stale)
+    patch = value.patch(other)
+    return held if patch is None else _HeldApart(patch, ref(value), stale)
 
 
 def _held_together(apart: _HeldApart | Held | None, base: Held) -> Held:
@@ -206,9 +206,8 @@ def _held_together(apart: _HeldApart | Held | None, base: Held) -> Held:
         return base
     if isinstance(apart, Held):
         return apart
-    value = apart.value()
-    if value is None:
-        assert base.value is not None
+    value = base.value if apart.value is None else apart.value()
+    if value is None and base.value is not None and apart.patch is not None:
         value = base.value.patched(apart.patch)
     return Held(value, base.stale if apart.stale is None else apart.stale)
 
