@@ -19,9 +19,8 @@ from multirep.bitwise import common_ends
 from multirep.errors import InvariantError
 from multirep.runs import Run, blocks_of, ends_of, renewed, runs_of, shared_rows
 
-#: Rows in a full block. An edit copies and keeps a block (1024 rows of two coordinates: 16 KiB) and
-#: the list of all (16 bytes a block). Measured in KiB a version at 10^5 and 10^6 rows: 11 and 39
-#: with 512 rows, 18 and 32 with 1024, 66 and 68 with 4096; the times hardly differ.
+#: Rows in a full block. An edit copies and keeps a block (1024 rows of two coordinates: 16 KiB):
+#: more take more memory, fewer more time for what goes through all of them.
 BLOCK_ROWS = 1024
 
 
@@ -76,6 +75,8 @@ class BlockArray(NDArrayOperatorsMixin):
         if isinstance(values, BlockArray):
             return values
         array = frozen_array(values)
+        if 0 < len(array) <= BLOCK_ROWS:
+            return _new(BlockArray)._set(array, (), (), array.shape[1:])
         return cls(_cut(array), array.shape[1:])
 
     # -- reading -----------------------------------------------------------------------------------
