@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from kinds import KINDS
 
 import multirep as mr
 from multirep import errors
@@ -23,7 +24,7 @@ from multirep.events import Committed, Fitted, Sampled, Skipped
 from multirep.interval import Interval
 from multirep.registry import Registry
 from multirep.representation import Representation
-from multirep.representations import Nurbs, Polyline, WaveletBSpline
+from multirep.representations import Nurbs, Polyline
 from multirep.splices import SpliceList
 from multirep.testing import (
     CountingRepresentation,
@@ -35,17 +36,6 @@ from multirep.testing import (
     default_elements,
     faulty_tools,
 )
-
-
-class Quintic(Nurbs):
-    """A second NURBS, of degree 5: the fourth representation."""
-
-    name = "quintic"
-    summary = "NURBS of degree 5"
-    default_degree = 5
-
-
-KINDS: tuple[type[Representation], ...] = (Polyline, Nurbs, WaveletBSpline, Quintic)
 
 
 def wavy(

@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, precondition, rule
+from kinds import KINDS, Quintic
 from machines import check_machine
 
 import multirep as mr
@@ -48,16 +49,6 @@ from multirep.tools import (
     Sweep,
 )
 
-
-class Quintic(Nurbs):
-    """A second NURBS, of degree 5: the fourth representation."""
-
-    name = "quintic"
-    summary = "NURBS of degree 5"
-    default_degree = 5
-
-
-KINDS: tuple[type[Representation], ...] = (Polyline, Nurbs, WaveletBSpline, Quintic)
 TOLERANCES = (1e-1, 1e-2, 1e-3, 1e-4)
 
 
