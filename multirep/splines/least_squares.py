@@ -172,7 +172,7 @@ def _normal_equations(
         where.ravel(), weights=sums[:matrix_rows].ravel(), minlength=size * unknowns
     ).reshape(size, unknowns)
     where = (np.arange(size)[:, None] * dimension + np.arange(dimension)).ravel()[:, None]
-    right: Array = np.bincount(  # type: ignore[assignment]
+    right: Array = np.bincount(  # type: ignore[assignment]  # likewise
         (where + first * dimension).ravel(),
         weights=sums[matrix_rows:].ravel(),
         minlength=unknowns * dimension,
