@@ -6,7 +6,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from multirep.interval import Interval
@@ -23,6 +23,7 @@ TOLERANCE = 1e-3
 
 
 @given(stale=splice_lists(), where=splice_lists())
+@example(SpliceList([T]), SpliceList.parse("[0,43/64] [11/16,45/64]"))  # taken with the first
 def test_windows_cover_what_is_asked_for(stale: SpliceList, where: SpliceList) -> None:
     """All stale stretches on where, nothing but stale ones, disjoint, from left to right."""
     found = list(windows(stale, where, T))
@@ -59,6 +60,8 @@ def test_a_window_is_little_more_than_what_is_asked_for(where: Interval) -> None
     where=splice_lists(),
     t=st.integers(0, 64).map(lambda k: k / 64),
 )
+@example(SpliceList([T]), SpliceList.parse("[0,9/64] [5/32,11/64]"), 0.0)  # no room between them
+@example(SpliceList([T]), SpliceList.parse("[1/64,2/64] [5/64,12/64] [13/64,24/64]"), 0.0)
 def test_what_a_splice_does_not_refresh_are_the_aprons(
     stale: SpliceList, where: SpliceList, t: float
 ) -> None:
