@@ -25,8 +25,8 @@ from multirep.state import State
 #: Stretches of more stored controls than this are thinned. Shorter ones are followed as they are:
 #: a fit tries knots a few times, each time against all samples.
 LONG = 2**10
-#: They are taken in pieces of about so many. Larger needs more
-#: memory (some 200 bytes each); smaller leaves more borders of pieces, a vertex each.
+#: They are taken in pieces of about so many. Larger needs more memory (some 200 bytes each);
+#: smaller leaves more borders of pieces, a vertex each.
 PIECE = 2**16
 
 

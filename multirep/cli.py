@@ -6,6 +6,7 @@ answers at once.
 
 from __future__ import annotations
 
+import shutil
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -21,7 +22,9 @@ if TYPE_CHECKING:
 
 __all__ = ["main"]
 
-EPILOG = "Exit codes: 0 done; 1 the work failed; 2 the input is wrong."
+EPILOG = "Exit codes: 0 done; 1 the work failed; 2 the input is wrong; 130 interrupted."
+#: What a shell gives for a process that Ctrl-C ended.
+INTERRUPTED = 130
 
 
 class _Commands(click.Group):
@@ -35,6 +38,9 @@ class _Commands(click.Group):
             return super().invoke(ctx)
         except MultirepError as error:
             _fail(error)
+        except KeyboardInterrupt:
+            click.echo("multirep: interrupted; no file was left half-written", err=True)
+            raise SystemExit(INTERRUPTED) from None
 
 
 def _fail(error: MultirepError) -> NoReturn:
@@ -205,7 +211,9 @@ def _progress() -> tuple[Callable[[int, int, str], None] | None, Callable[[], No
         return None, lambda: None
 
     def tell(done: int, total: int, what: str) -> None:
-        click.echo(f"\r\x1b[K{done + 1}/{total} {what}", nl=False, err=True)
+        line = f"{done + 1}/{total} {what}"
+        width = shutil.get_terminal_size().columns - 1  # a line that wraps could not be wiped off
+        click.echo(f"\r\x1b[K{line[:width]}", nl=False, err=True)
 
     return tell, lambda: click.echo("\r\x1b[K", nl=False, err=True)
 

@@ -18,7 +18,7 @@ from multirep.freezing import check_still, frozen_error, with_claim, without_cla
 from multirep.interval import Interval
 from multirep.registry import Registry
 from multirep.reparameterization import ParameterMap, with_parameters
-from multirep.representation import Representation
+from multirep.representation import Representation, starter
 from multirep.samples import RecentSamples
 from multirep.splices import SpliceList
 from multirep.state import Held, State
@@ -111,11 +111,11 @@ class MultiRepresentation:
             One of them must be able to start from points (the polyline is).
         """
         kinds = list(Registry.discover().representations.values() if kinds is None else kinds)
-        starters = [kind for kind in kinds if hasattr(kind, "from_points")]
-        if not starters:
+        start = starter(kinds)
+        if start is None:
             names = [kind.name for kind in kinds]
             raise RegistrationError(f"no representation offers from_points; given: {names}")
-        author = starters[0].from_points(points, t=t)
+        author = start(points, t=t)
         curve = cls(author, tolerance=tolerance, kinds=kinds)
         curve.merged = len(np.asarray(points)) - author.size
         return curve

@@ -59,7 +59,9 @@ class Plugins(Mapping[str, type[P]], Generic[P]):
                     f"that calls itself {plugin.name!r}",
                     plugin,
                 )
-            self._entries[name] = entry = plugin
+            self._entries[name] = plugin
+            loaded: type[P] = plugin
+            return loaded
         return entry
 
     def __iter__(self) -> Iterator[str]:

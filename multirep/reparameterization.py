@@ -18,7 +18,7 @@ from multirep.composition import compose
 from multirep.errors import EditError, RegistrationError
 from multirep.events import Committed, Event
 from multirep.freezing import frozen_error
-from multirep.representation import Representation
+from multirep.representation import Representation, starter
 from multirep.sampled import SampledSplice, interpolate
 from multirep.spacing import told_apart
 from multirep.splices import SpliceList
@@ -49,8 +49,8 @@ def with_parameters(
         See :meth:`multirep.MultiRepresentation.reparameterize`.
     """
     kinds = list(kinds)
-    starters = [kind for kind in kinds if hasattr(kind, "from_points")]
-    if not starters:
+    start = starter(kinds)
+    if start is None:
         raise RegistrationError(
             "re-parameterising needs a representation that can be made of points, as the "
             f"polyline; this curve keeps {', '.join(kind.name for kind in kinds)}"
@@ -61,7 +61,8 @@ def with_parameters(
     share = SAMPLING_SHARE * hop(state.tolerance)
     sampled = compose(state, state.authors.domain, tolerance=share, emit=emit)
     t, points = reparameterized(sampled, mapping)
-    value, name = starters[0].from_points(points, t=t), starters[0].name
+    value = start(points, t=t)
+    name = value.name
     before = state.held[name].value
     if state.authors.names == (name,) and before is not None and not before.changes(value):
         return state

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import abc
+from collections.abc import Callable, Iterable
 from typing import Any, ClassVar, Self
 
 import attrs
@@ -231,3 +232,21 @@ class Representation(abc.ABC):
         raise ParameterError(
             f"t = {float(outside)!r} lies outside the domain [{start!r}, {stop!r}]"
         )
+
+
+def starter(kinds: Iterable[type[Representation]]) -> Callable[..., Representation] | None:
+    """Return ``from_points`` of the first kind that has it: a curve can start there.
+
+    Returns
+    -------
+    callable or None
+        Takes points (n, d) and ``t`` (n,), joins them by straight lines; None if no kind can.
+
+    Examples
+    --------
+    >>> from multirep.representations import Nurbs, Polyline
+    >>> starter([Nurbs, Polyline])([[0, 0], [1, 1]], t=[0, 1]).name
+    'polyline'
+    """
+    makers = (getattr(kind, "from_points", None) for kind in kinds)
+    return next((maker for maker in makers if maker is not None), None)

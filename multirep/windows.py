@@ -153,18 +153,12 @@ def windows(stale: SpliceList, where: SpliceList, domain: Interval) -> Iterator[
         if not parts:
             continue
         taken: list[Interval] = []
-        reached = stretch.start
         for asked in parts:
             growth = max(0.5 * (SHORTEST * domain.length - asked.length), 0.0)
-            part = asked.widened(growth).clipped(stretch)
-            rest = SMALL_REST * _apron(part, domain)
-            start = part.start if part.start - reached > rest else reached
-            stop = part.stop if stretch.stop - part.stop > rest else stretch.stop
-            grown = Interval(start, stop)
-            if taken and start == reached:  # there is no room for two aprons between them
-                grown = taken.pop().hull(grown)
-            taken.append(grown)
-            reached = grown.stop
+            part = _with_rests(asked.widened(growth).clipped(stretch), stretch, domain)
+            while taken and not _have_room(taken[-1], part, domain):
+                part = _with_rests(taken.pop().hull(part), stretch, domain)
+            taken.append(part)
         if sum(part.length for part in taken) >= MOST * stretch.length:
             taken = [stretch]
         ends = [stretch.start, *(part.stop for part in taken)]
@@ -172,6 +166,21 @@ def windows(stale: SpliceList, where: SpliceList, domain: Interval) -> Iterator[
         for k, part in enumerate(taken):
             around = Interval(ends[k], starts[k + 1])
             yield Window(part, around, _apron(part, domain))
+
+
+def _with_rests(part: Interval, stretch: Interval, domain: Interval) -> Interval:
+    """Take what is left of a stretch beside a part where that is little."""
+    rest = SMALL_REST * _apron(part, domain)
+    return Interval(
+        part.start if part.start - stretch.start > rest else stretch.start,
+        part.stop if stretch.stop - part.stop > rest else stretch.stop,
+    )
+
+
+def _have_room(one: Interval, two: Interval, domain: Interval) -> bool:
+    """Whether there is room for two aprons between two parts."""
+    longer = max(_apron(one, domain), _apron(two, domain))
+    return two.start - one.stop > SMALL_REST * longer
 
 
 def worthwhile(state: State, window: Window, *, delta: float) -> Window:

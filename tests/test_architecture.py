@@ -244,16 +244,18 @@ def base_name(node: ast.expr) -> str:
 def plugins(family: str) -> dict[str, tuple[str, str]]:
     """Plugin classes of a built-in family: class name -> (its `name`, its module).
 
-    A class that derives from the base of the family, perhaps through others, and sets `name`.
+    A class that derives from the base of the family, perhaps through others (of the kernel, too),
+    and sets `name`.
     """
     found = {}
     derived = {BASES[family]}
-    members = [source for source in SOURCES if family_of(source.name) == family]
-    classes = [(s, node) for s in members for node in s.tree.body if isinstance(node, ast.ClassDef)]
-    for _ in classes:
+    classes = [(s, node) for s in SOURCES for node in s.tree.body if isinstance(node, ast.ClassDef)]
+    known = 0
+    while known < len(derived):
+        known = len(derived)
         derived |= {node.name for _, node in classes if derived & set(map(base_name, node.bases))}
     for source, node in classes:
-        if node.name in derived:
+        if family_of(source.name) == family and node.name in derived:
             for statement in node.body:
                 target = (
                     getattr(statement, "target", None) or getattr(statement, "targets", [None])[0]

@@ -13,7 +13,7 @@ from typing import Any
 import attrs
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, assume, given, settings
+from hypothesis import HealthCheck, assume, example, given, settings
 from hypothesis import strategies as st
 
 import multirep as mr
@@ -215,6 +215,7 @@ def test_a_tool_cannot_reach_into_the_values_that_it_is_given(data: st.DataObjec
 
 @quiet
 @given(fault=faults, method=st.sampled_from(["fit", "splice", "reach", "changes"]))
+@example(fault=("returns", np.zeros(3)), method="changes")
 def test_a_representation_that_goes_wrong_changes_nothing(
     fault: tuple[str, Any], method: str
 ) -> None:
@@ -233,7 +234,7 @@ def test_a_representation_that_goes_wrong_changes_nothing(
         setattr(Broken, method, spoilt(fault))
     session.apply("curve", RecordingTool(index=10, offset=(0.0, 0.25)))
     before = curve.snapshot()
-    if (method, fault) == ("changes", ("returns", SpliceList.EMPTY)):
+    if method == "changes" and isinstance(fault[1], SpliceList) and not fault[1]:
         return  # a lie that nobody can find out
     with pytest.raises(MultirepError) as caught:
         curve.view(Broken)

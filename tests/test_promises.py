@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from kinds import KINDS
 
 import multirep as mr
 from multirep import errors
@@ -23,7 +24,7 @@ from multirep.events import Committed, Fitted, Sampled, Skipped
 from multirep.interval import Interval
 from multirep.registry import Registry
 from multirep.representation import Representation
-from multirep.representations import Nurbs, Polyline, WaveletBSpline
+from multirep.representations import Nurbs, Polyline
 from multirep.splices import SpliceList
 from multirep.testing import (
     CountingRepresentation,
@@ -35,17 +36,6 @@ from multirep.testing import (
     default_elements,
     faulty_tools,
 )
-
-
-class Quintic(Nurbs):
-    """A second NURBS, of degree 5: the fourth representation."""
-
-    name = "quintic"
-    summary = "NURBS of degree 5"
-    default_degree = 5
-
-
-KINDS: tuple[type[Representation], ...] = (Polyline, Nurbs, WaveletBSpline, Quintic)
 
 
 def wavy(
@@ -214,12 +204,18 @@ def test_an_author_is_not_sampled_outside_the_stale_splices() -> None:
     edit = line.move(100, line.points[100] + [0.0, 0.3])
     allowed = SpliceList([edit.splices.hull.widened(4 * edit.splices.length)])
     curve.commit(NoTouchRepresentation, Edit(edit.value.touchable_on(allowed), edit.splices))
-    for kind in KINDS:
-        curve.view(kind)
+    with curve.listening() as events:
+        for kind in KINDS:
+            curve.view(kind)
+    touched = [event for event in events if isinstance(event, Sampled)]
+    assert {event.author for event in touched} == {"no-touch"}
+    assert all(allowed.contains(event.interval) for event in touched)
     untouchable = curve.view(NoTouchRepresentation).touchable_on(SpliceList.EMPTY)
     curve.commit(NoTouchRepresentation, Edit(untouchable, SpliceList.EMPTY))
-    for kind in kinds:  # nothing is stale: nobody samples anything
-        curve.view(kind)
+    with curve.listening() as events:
+        for kind in kinds:
+            curve.view(kind)
+    assert {type(event) for event in events} == {Skipped}
 
 
 def test_every_stretch_is_taken_from_its_author() -> None:
@@ -234,10 +230,11 @@ def test_every_stretch_is_taken_from_its_author() -> None:
     with curve.listening() as events:
         for kind in kinds:
             curve.view(kind)
-    for event in events:
-        if isinstance(event, Sampled):
-            (author,) = {name for part, name in curve.authors if part.overlaps(event.interval)}
-            assert event.author == author
+    sampled = [event for event in events if isinstance(event, Sampled)]
+    assert {event.author for event in sampled} == {"loopback", "polyline"}
+    for event in sampled:
+        (author,) = {name for part, name in curve.authors if part.overlaps(event.interval)}
+        assert event.author == author
     check_certificate(curve)
 
 

@@ -35,6 +35,16 @@ def test_the_code_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     assert runner.summarize().failed == 0
 
 
+def test_the_growth_of_an_edit_is_what_was_measured() -> None:
+    """The README promises no more than the worst drag step of the performance page keeps."""
+    [promised] = re.findall(r"takes at most (\d+) times what it takes of 1 000", README.read_text())
+    page = (README.parent / "docs" / "performance.md").read_text()
+    [row] = re.findall(r"^\| drag step .*t\(largest n\) : t\(10³\).*$", page, re.MULTILINE)
+    _, _, _, at_worst, *_, worst, _ = [cell.strip() for cell in row.split("|")]
+    assert float(at_worst) <= float(promised), worst
+    assert "n = 100 000" in worst
+
+
 def test_a_tool_takes_twenty_lines() -> None:
     """The README's plugin is as short as it says."""
     [plugin] = [block for block in blocks("python") if "mr.Tool[" in block]

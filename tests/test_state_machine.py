@@ -12,16 +12,10 @@ from typing import Any, TypeAlias
 import attrs
 import numpy as np
 import pytest
-from hypothesis import settings
 from hypothesis import strategies as st
-from hypothesis.stateful import (
-    RuleBasedStateMachine,
-    initialize,
-    invariant,
-    precondition,
-    rule,
-    run_state_machine_as_test,
-)
+from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, precondition, rule
+from kinds import KINDS, Quintic
+from machines import check_machine
 
 import multirep as mr
 from multirep.arrays import Array
@@ -55,16 +49,6 @@ from multirep.tools import (
     Sweep,
 )
 
-
-class Quintic(Nurbs):
-    """A second NURBS, of degree 5: the fourth representation."""
-
-    name = "quintic"
-    summary = "NURBS of degree 5"
-    default_degree = 5
-
-
-KINDS: tuple[type[Representation], ...] = (Polyline, Nurbs, WaveletBSpline, Quintic)
 TOLERANCES = (1e-1, 1e-2, 1e-3, 1e-4)
 
 
@@ -445,34 +429,20 @@ class FreezingMachine(SessionMachine):
             del self.ice[name]
 
 
-def test_a_session_keeps_its_promises() -> None:
-    """A few sessions of a dozen steps each; the slow test below runs many long ones."""
-    run_state_machine_as_test(
-        SessionMachine, settings=settings(max_examples=15, stateful_step_count=10)
-    )
+@pytest.mark.parametrize(
+    ("sessions", "steps"), [(15, 10), pytest.param(40, 30, marks=pytest.mark.slow)]
+)
+def test_a_session_keeps_its_promises(sessions: int, steps: int) -> None:
+    """Whatever is done: what is up to date agrees, what was not reported has not moved."""
+    check_machine(SessionMachine, sessions=sessions, steps=steps)
 
 
-def test_a_session_with_frozen_stretches_keeps_its_promises() -> None:
+@pytest.mark.parametrize(
+    ("sessions", "steps"), [(8, 8), pytest.param(15, 30, marks=pytest.mark.slow)]
+)
+def test_a_session_with_frozen_stretches_keeps_its_promises(sessions: int, steps: int) -> None:
     """What is frozen is bit-identical in every representation, through undo too."""
-    run_state_machine_as_test(
-        FreezingMachine, settings=settings(max_examples=8, stateful_step_count=8)
-    )
-
-
-@pytest.mark.slow
-def test_long_sessions_with_frozen_stretches_keep_their_promises() -> None:
-    """The same with more and longer sessions."""
-    run_state_machine_as_test(
-        FreezingMachine, settings=settings(max_examples=15, stateful_step_count=30)
-    )
-
-
-@pytest.mark.slow
-def test_long_sessions_keep_their_promises() -> None:
-    """The same with more and longer sessions."""
-    run_state_machine_as_test(
-        SessionMachine, settings=settings(max_examples=40, stateful_step_count=30)
-    )
+    check_machine(FreezingMachine, sessions=sessions, steps=steps)
 
 
 # -- sessions that once broke a promise ------------------------------------------------------------

@@ -12,13 +12,12 @@ from multirep.aim import Aim
 from multirep.arrays import Array
 from multirep.edit import Edit
 from multirep.errors import EditError
-from multirep.fields import as_point, finite_number, finite_point
+from multirep.fields import as_point, finite_point
 from multirep.interval import Interval
-from multirep.place import locate
+from multirep.place import PlacedTool
 from multirep.representations.nurbs import Nurbs
 from multirep.scene import Scene
 from multirep.splices import SpliceList
-from multirep.tool import Tool
 
 #: A parameter this close to a corner, in terms of T, is that corner: two knots closer than that
 #: would leave no room for a curve between them.
@@ -36,7 +35,7 @@ ALONE = 1e-4
 
 
 @frozen
-class Corner(Tool[Nurbs]):
+class Corner(PlacedTool[Nurbs]):
     """Make, turn, move or remove a corner (Grimm-Ayers 5.1.1).
 
     The knot at the corner gets full multiplicity, so the curve may arrive with one derivative and
@@ -75,14 +74,6 @@ class Corner(Tool[Nurbs]):
     name = "corner"
     edits = Nurbs
 
-    t: float | None = field(
-        default=None, converter=optional(float), validator=validators.optional(finite_number)
-    )
-    """The parameter of the corner."""
-    at: tuple[float, ...] | None = field(
-        default=None, converter=optional(as_point), validator=validators.optional(finite_point)
-    )
-    """Instead of ``t``: the place on the curve nearest to it."""
     left: tuple[float, ...] | None = field(
         default=None, converter=optional(as_point), validator=validators.optional(finite_point)
     )
@@ -110,7 +101,7 @@ class Corner(Tool[Nurbs]):
         EditError
             At an end of T, where the curve has one side only.
         """
-        t = locate(curve, self.t, self.at)
+        t = super().place(curve)
         near = SAME_PLACE if self.at is None else CLICK
         t = _nearest_corner(curve, t, near * curve.domain.length)
         if not curve.domain.start < t < curve.domain.stop:

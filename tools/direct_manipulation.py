@@ -10,14 +10,13 @@ from attrs import converters, field, frozen, validators
 from multirep.arrays import Array, Flags
 from multirep.edit import Edit
 from multirep.errors import EditError
-from multirep.fields import as_point, finite_number, finite_point
-from multirep.place import locate
+from multirep.fields import as_point, finite_point
+from multirep.place import PlacedTool
 from multirep.representations.nurbs import Nurbs
 from multirep.representations.nurbs.borders import acts_on, bends_at, halfway_knots
 from multirep.scene import Scene
 from multirep.splices import SpliceList
 from multirep.splines import basis_functions
-from multirep.tool import Tool
 
 #: Control points that all have less influence than this are not moved: they would have to move by
 #: a million times as much as the point that is pulled.
@@ -30,7 +29,7 @@ REFINEMENTS = 6
 
 
 @frozen
-class DirectManipulation(Tool[Nurbs]):
+class DirectManipulation(PlacedTool[Nurbs]):
     """Move the point C(t) of the curve to a given place (Bartels-Beatty 1989).
 
     Of all changes of the chosen control points that bring C(t) there, it makes the one whose
@@ -64,18 +63,6 @@ class DirectManipulation(Tool[Nurbs]):
     name = "direct-manipulation"
     edits = Nurbs
 
-    t: float | None = field(
-        default=None,
-        converter=converters.optional(float),
-        validator=validators.optional(finite_number),
-    )
-    """Which point of the curve."""
-    at: tuple[float, ...] | None = field(
-        default=None,
-        converter=converters.optional(as_point),
-        validator=validators.optional(finite_point),
-    )
-    """The point of the curve nearest to this."""
     to: tuple[float, ...] = field(kw_only=True, converter=as_point, validator=finite_point)
     """Where it is pulled to."""
     hold_ends: bool = field(default=True, validator=validators.instance_of(bool))
@@ -105,7 +92,7 @@ class DirectManipulation(Tool[Nurbs]):
                 f"at most {p + 1} control points matter at one point of a curve of degree {p}; "
                 f"cannot move {self.control_points}"
             )
-        t = locate(nurbs, self.t, self.at)
+        t = self.place(nurbs)
         if scene.frozen and not scene.frozen.contains(t):  # else the framework says who froze it
             return self._beside_ice(nurbs, t, scene.frozen)
         first, influence = self._influence(nurbs, t, np.ones(p + 1, dtype=bool))

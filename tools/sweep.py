@@ -9,15 +9,14 @@ from multirep.aim import Aim
 from multirep.edit import Edit
 from multirep.errors import EditError
 from multirep.fields import as_point, as_points, finite_number, finite_point, finite_points
-from multirep.place import locate
+from multirep.place import PlacedTool
 from multirep.representations.wavelet import WaveletBSpline
 from multirep.representations.wavelet.targets import swept_together
 from multirep.scene import Scene
-from multirep.tool import Tool
 
 
 @frozen
-class Sweep(Tool[WaveletBSpline]):
+class Sweep(PlacedTool[WaveletBSpline]):
     """Move a point of the curve, and as much of the curve with it as the level says.
 
     A low level moves the broad course of the curve and leaves its character alone: all finer detail
@@ -55,18 +54,6 @@ class Sweep(Tool[WaveletBSpline]):
     name = "sweep"
     edits = WaveletBSpline
 
-    t: float | None = field(
-        default=None,
-        converter=converters.optional(float),
-        validator=validators.optional(finite_number),
-    )
-    """Which point of the curve."""
-    at: tuple[float, ...] | None = field(
-        default=None,
-        converter=converters.optional(as_point),
-        validator=validators.optional(finite_point),
-    )
-    """The point of the curve nearest to this."""
     to: tuple[float, ...] = field(kw_only=True, converter=as_point, validator=finite_point)
     """Where it shall be."""
     level: float = field(kw_only=True, converter=float, validator=[finite_number, validators.ge(0)])
@@ -99,7 +86,7 @@ class Sweep(Tool[WaveletBSpline]):
             raise EditError(
                 f"the curve has {curve.dimension} coordinates, 'to' has {len(self.to)}: {self.to}"
             )
-        t = locate(curve, self.t, self.at)
+        t = self.place(curve)
         if self.hold is None and self.targets is None and not scene.frozen:
             return curve.sweep(t, self.to, self.level)
         rows = np.array([(t, *self.to), *self._others(curve)])

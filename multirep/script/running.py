@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import ExitStack, contextmanager
 from itertools import combinations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -23,6 +24,7 @@ from multirep.errors import (
     ToleranceError,
     UnreportedChangeError,
 )
+from multirep.events import Event, Fitting
 from multirep.multirepresentation import MultiRepresentation
 from multirep.representation import Representation
 from multirep.script.history import History, StepResult, key_of, what_of
@@ -42,7 +44,8 @@ from multirep.strokes.from_strokes import curve_from_strokes
 if TYPE_CHECKING:
     from multirep.registry import Registry
 
-#: Told before each piece of work: how much is done, how much there is, what comes.
+#: Told before each piece of work, and as a long fit in it goes on: how much is done, how much there
+#: is, what comes.
 Progress = Callable[[int, int, str], None]
 #: The work failed, though nothing is wrong with the script.
 FAILURES = (ConflictError, PluginError, RegistrationError, ToleranceError, UnreportedChangeError)
@@ -102,7 +105,7 @@ def run(script: Script, registry: Registry, progress: Progress | None = None) ->
     registry : Registry
         The same as it was read with.
     progress : callable, optional
-        Told what comes before each piece of work.
+        Told what comes before each piece of work; within one, how far a long fit is.
 
     Returns
     -------
@@ -146,29 +149,45 @@ class _Run:
 
     def done(self) -> Result:
         """Do everything."""
-        script, tell, total = self.script, self.tell, self.total
+        script = self.script
         for index, spec in enumerate(script.curves):
-            tell(index, total, f"read {spec.name}")
+            self.tell(index, self.total, f"read {spec.name}")
             if not spec.added:
                 self.session.add(spec.name, self.build(spec.name))
         # pictures at a time before the end must not influence what comes after
         self.look(0)
         results = []
         for step in script.steps:
-            tell(len(script.curves) + step.index, total, what_of(step))
-            with _located(script.path, step):
+            done = len(script.curves) + step.index
+            with self.telling(done, what_of(step)), _located(script.path, step):
                 results.append(self.history.do(step))
             if step.index + 1 < len(script.steps):
                 self.look(step.index + 1)
         curves = []
         for index, spec in enumerate(script.curves):
-            tell(total - len(script.curves) + index, total, f"bound the deviations of {spec.name}")
-            if spec.name in self.session.curves:
-                curves.append(self.result(spec))
+            done = self.total - len(script.curves) + index
+            with self.telling(done, f"bound the deviations of {spec.name}"):
+                if spec.name in self.session.curves:
+                    curves.append(self.result(spec))
         last = len(script.steps)
         for _, since in [pair for pair in self.wanted if pair[0] == last and pair[1] > 0]:
             self.moments[last, since] = tuple(self.since(curve, since) for curve in curves)
         return Result(script, tuple(curves), tuple(results), self.moments)
+
+    @contextmanager
+    def telling(self, done: int, what: str) -> Iterator[None]:
+        """Tell what comes; and how far they are, of fits that take long."""
+        self.tell(done, self.total, what)
+
+        def heard(event: Event) -> None:
+            if isinstance(event, Fitting):
+                part = f"{event.kind} {event.done}/{event.total}"
+                self.tell(done, self.total, f"{what}: {part}")
+
+        with ExitStack() as listening:
+            for curve in self.session.curves.values():
+                listening.enter_context(curve.listening(heard))
+            yield
 
     def look(self, steps: int) -> None:
         """Keep what outputs show of this time; the session stays as it is."""
@@ -180,11 +199,14 @@ class _Run:
         self.earlier[steps] = {
             name: curve.view(curve.authors[0][1]) for name, curve in present.items()
         }
-        for _, since in [pair for pair in self.wanted if pair[0] == steps]:
-            specs = [spec for spec in self.script.curves if spec.name in present]
-            self.moments[steps, since] = tuple(
-                self.since(self.result(spec), since) for spec in specs
-            )
+        wanted = [since for after, since in self.wanted if after == steps]
+        if wanted:
+            done = len(self.script.curves) + steps
+            with self.telling(done, f"show the curves after {steps} steps"):
+                specs = [spec for spec in self.script.curves if spec.name in present]
+                curves = [self.result(spec) for spec in specs]
+            for since in wanted:
+                self.moments[steps, since] = tuple(self.since(curve, since) for curve in curves)
         framework.restore(before)
 
     def since(self, curve: CurveResult, steps: int) -> CurveResult:

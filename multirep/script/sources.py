@@ -18,7 +18,7 @@ from multirep.script.model import (
     StrokesSource,
     WaveletSource,
 )
-from multirep.script.strict import Mismatch, quote, structure
+from multirep.script.strict import Mismatch, quote, structure, structure_key
 
 T = TypeVar("T")
 
@@ -90,9 +90,9 @@ def read_source(table: Mapping[str, Any], folder: Path) -> tuple[Source, str, tu
     if origin == "points":
         return _read_points(part, folder), "polyline", ()
     if origin == "nurbs":
-        return _read_nurbs(part["nurbs"], folder), "nurbs", ()
+        return _read_spline(part["nurbs"], folder, NurbsSource, origin), origin, ()
     if origin == "wavelet":
-        return _read_wavelet(part["wavelet"], folder), "wavelet", ()
+        return _read_spline(part["wavelet"], folder, WaveletSource, origin), origin, ()
     if origin in ("stroke", "strokes"):
         return _read_strokes(part, folder), "polyline", ()
     source, notes = _read_svg(structure(part, _SvgTable), folder)
@@ -112,42 +112,30 @@ def _read_points(part: Mapping[str, Any], folder: Path) -> PointsSource:
     return _structure_file(data, PointsSource, path)
 
 
-def _read_nurbs(value: object, folder: Path) -> NurbsSource:
+def _read_spline(value: object, folder: Path, cls: type[T], key: str) -> T:
+    """Read the knots and control points of one kind, from a table or from the file it names."""
     if isinstance(value, str):
         path = folder / structure(value, str)
-        return _structure_file(_table_of(path, "nurbs", bare_list=False), NurbsSource, path)
+        return _structure_file(_table_of(path, key, bare_list=False), cls, path)
     try:
-        return structure(value, NurbsSource)
+        return structure(value, cls)
     except Mismatch as error:
-        raise Mismatch(error.problem, f"nurbs.{error.key}" if error.key else "nurbs") from None
-
-
-def _read_wavelet(value: object, folder: Path) -> WaveletSource:
-    if isinstance(value, str):
-        path = folder / structure(value, str)
-        return _structure_file(_table_of(path, "wavelet", bare_list=False), WaveletSource, path)
-    try:
-        return structure(value, WaveletSource)
-    except Mismatch as error:
-        raise Mismatch(error.problem, f"wavelet.{error.key}" if error.key else "wavelet") from None
+        raise Mismatch(error.problem, f"{key}.{error.key}" if error.key else key) from None
 
 
 def _read_strokes(part: Mapping[str, Any], folder: Path) -> StrokesSource:
     """Read one stroke or several; a file holds them under "strokes", or is a bare list of them."""
     data = dict(part)
     if "stroke" in data:
-        try:
-            data["strokes"] = [structure(data.pop("stroke"), Points)]
-        except Mismatch as error:
-            raise Mismatch(error.problem, f"stroke{error.key}") from None
-    elif isinstance(data["strokes"], str):
+        data["strokes"] = [structure_key(data, "stroke", Points)]
+        del data["stroke"]
+    if isinstance(data["strokes"], str):
         path = folder / structure(data["strokes"], str)
         found = _table_of(path, "strokes")
         found["strokes"] = found.pop("points", None) or found.get("strokes", [])
-        source = _structure_file(
-            found | {k: data[k] for k in PEN if k in data}, StrokesSource, path
-        )
-    if not isinstance(data["strokes"], str):
+        pen = {key: data[key] for key in PEN if key in data}
+        source = _structure_file(found | pen, StrokesSource, path)
+    else:
         source = structure(data, StrokesSource)
     for key in ("noise", "corner_angle", "corner_window"):
         value = getattr(source, key)

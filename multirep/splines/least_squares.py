@@ -103,8 +103,7 @@ def solve_window(
         return solved
     from scipy.linalg.lapack import dpbsv
 
-    size, dimension, rows = degree + 1, coefficients.shape[1], len(t)
-    origin = targets[rows // 2]
+    origin = targets[len(t) // 2]
     held = coefficients - origin
     held[free] = 0.0
     spans = find_spans(knots, degree, t)
@@ -116,9 +115,44 @@ def solve_window(
     wanted = targets - origin
     wanted -= np.einsum("im,imd->md", basis, held.take(index, axis=0))
 
+    band, right = _normal_equations(basis, index[0], wanted, row_weights, len(coefficients))
+    band, right = band[:, free], right[free]
+    factor, solution, info = dpbsv(band, right, lower=1)
+    if info or not bool((factor[0] >= _SMALLEST_PIVOT * np.sqrt(band[0])).all()):
+        raise undetermined(len(t), count)
+    solved = coefficients.copy()
+    solved[free] = solution + origin
+    return solved
+
+
+def _normal_equations(
+    basis: Array, first: IntArray, wanted: Array, row_weights: Array, unknowns: int
+) -> tuple[Array, Array]:
+    """Sum up the normal equations of all control points, in banded form.
+
+    Parameters
+    ----------
+    basis : (p + 1, m) array
+        The basis functions that do not vanish at each row, ...
+    first : (m,) integer array
+        ... and the first control point they belong to; non-decreasing.
+    wanted : (m, d) array
+    row_weights : (m,) array
+    unknowns : int
+        The number n of control points.
+
+    Returns
+    -------
+    (p + 1, n) array
+        The matrix: its diagonal, then those below.
+    (n, d) array
+        The right-hand sides.
+    """
+    size, rows = basis.shape
+    dimension = wanted.shape[1]
     # Every product that the normal equations need, one row of `products` each ...
     weighted = basis * row_weights
-    places = _places(degree)
+    places = _places(size - 1)
     matrix_rows = places.shape[1]
     products = np.empty((matrix_rows + size * dimension, rows))
     row = 0
@@ -130,27 +164,20 @@ def solve_window(
         weighted[:, None], wanted.T, out=products[matrix_rows:].reshape(size, dimension, rows)
     )
     # ... summed over the rows of each span, then added to where the span's functions stand.
-    starts = np.concatenate(([0], (spans[1:] != spans[:-1]).nonzero()[0] + 1))
+    starts = np.concatenate(([0], (first[1:] != first[:-1]).nonzero()[0] + 1))
     sums = np.add.reduceat(products, starts, axis=1)
-    unknowns = len(coefficients)
-    first = spans[starts] - degree
+    first = first[starts]
     where = (places[0] * unknowns + places[1])[:, None] + first
-    band = np.bincount(
+    band: Array = np.bincount(  # type: ignore[assignment]  # weighted sums are floats
         where.ravel(), weights=sums[:matrix_rows].ravel(), minlength=size * unknowns
-    ).reshape(size, unknowns)[:, free]
+    ).reshape(size, unknowns)
     where = (np.arange(size)[:, None] * dimension + np.arange(dimension)).ravel()[:, None]
-    right = np.bincount(
+    right: Array = np.bincount(  # type: ignore[assignment]  # likewise
         (where + first * dimension).ravel(),
         weights=sums[matrix_rows:].ravel(),
         minlength=unknowns * dimension,
-    ).reshape(unknowns, dimension)[free]
-
-    factor, solution, info = dpbsv(band, right, lower=1)
-    if info or not bool((factor[0] >= _SMALLEST_PIVOT * np.sqrt(band[0])).all()):
-        raise undetermined(rows, count)
-    solved = coefficients.copy()
-    solved[free] = solution + origin
-    return solved
+    ).reshape(unknowns, dimension)
+    return band, right
 
 
 def undetermined(rows: int, count: int) -> np.linalg.LinAlgError:

@@ -112,6 +112,18 @@ def clean_stroke(
     check_options(noise, corner_angle, corner_window)
     rows, merged = read_stroke(points, what=what)
     noise = estimate_noise(rows) if noise is None else float(noise)
+    rows, corners = _smoothed(rows, noise, math.radians(corner_angle), corner_window, what)
+    rows, corners = _distinct(rows, corners)
+    if not straight:
+        rows, corners = rounded(rows, corners)
+    rows.setflags(write=False)
+    return Stroke(rows, corners, noise, merged)
+
+
+def _smoothed(
+    rows: Array, noise: float, angle: float, window: float | None, what: str
+) -> tuple[Array, Indices]:
+    """Join samples that scatter, find corners, smooth between them; in terms of the size."""
     origin, scale = rows[0], float(np.abs(rows - rows[0]).max())
     gathered = gather((rows - origin) / scale, noise / scale)
     if gathered.is_noise(noise / scale):
@@ -121,22 +133,24 @@ def clean_stroke(
         )
     corners = find_corners(
         gathered.points,
-        angle=math.radians(corner_angle),
+        angle=angle,
         noise=noise / scale / np.sqrt(gathered.counts),
-        window=None if corner_window is None else corner_window / scale,
+        window=None if window is None else window / scale,
     )
     smoothed = smooth(gathered.points, gathered.counts, corners, noise / scale)
-    if smoothed is not gathered.points or len(smoothed) < len(rows):
-        rows = origin + scale * smoothed
+    if smoothed is gathered.points and len(smoothed) == len(rows):
+        return rows, corners  # untouched, bit by bit
+    return origin + scale * smoothed, corners
+
+
+def _distinct(rows: Array, corners: Indices) -> tuple[Array, Indices]:
+    """Drop points that rounding, far from the origin, made the same as the one before."""
     keep = np.concatenate([[True], (rows[1:] != rows[:-1]).any(axis=1)])
-    if not keep.all():  # rounding far from the origin
-        corners = np.unique(np.cumsum(keep)[corners] - 1)
-        rows = rows[keep]
-        corners = corners[(corners > 0) & (corners < len(rows) - 1)]
-    if not straight:
-        rows, corners = rounded(rows, corners)
-    rows.setflags(write=False)
-    return Stroke(rows, corners, noise, merged)
+    if keep.all():
+        return rows, corners
+    corners = np.unique(np.cumsum(keep)[corners] - 1)
+    rows = rows[keep]
+    return rows, corners[(corners > 0) & (corners < len(rows) - 1)]
 
 
 def check_options(noise: float | None, corner_angle: float, corner_window: float | None) -> None:

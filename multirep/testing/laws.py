@@ -105,14 +105,7 @@ def check_edit(
     [0,1]
     """
     if callable(edit):
-        operation, untouched = edit, _fingerprint(before, elements)
-        edit = operation(before)
-        if _fingerprint(before, elements) != untouched:
-            raise InvariantError("the operation changed the value that it was given", edit)
-        again = operation(before)
-        if again.splices != edit.splices:
-            raise InvariantError("a second run reports other splices", edit)
-        check_same(edit.value, again.value, elements=elements)
+        edit = _performed_twice(before, edit, elements)
     if not isinstance(edit, Edit):
         raise InvariantError(f"an operation returns an Edit, not a {type(edit).__name__}", edit)
     after, splices = edit.value, edit.splices
@@ -120,7 +113,37 @@ def check_edit(
     _same_kind(before, after)
     if splices and not before.domain.contains(splices.hull):
         raise InvariantError(f"splices {splices} leave the domain {before.domain}", edit)
+    differs = _check_outside(before, edit, elements)
+    changes = before.changes(after)
+    exact = type(before).changes is not Representation.changes and not several
+    if exact and not splices.contains(changes):
+        raise InvariantError(
+            f"changes() finds {changes - splices}, which the splices {splices} do not cover", edit
+        )
+    missed = [s for s in differs if not changes.contains(float(s))]
+    if missed:
+        raise InvariantError(f"changes() misses a difference at t = {missed[0]!r}", edit)
+    if after.size <= STORED:  # long ones are slow to write, and the suite writes one of them
+        check_data(after, elements=elements)
+    return edit
 
+
+def _performed_twice(before: R, operation: Callable[[R], Edit[R]], elements: ElementsOf) -> Edit[R]:
+    """Return the edit; raise if it changed its subject, or if a second one is another."""
+    untouched = _fingerprint(before, elements)
+    edit = operation(before)
+    if _fingerprint(before, elements) != untouched:
+        raise InvariantError("the operation changed the value that it was given", edit)
+    again = operation(before)
+    if again.splices != edit.splices:
+        raise InvariantError("a second run reports other splices", edit)
+    check_same(edit.value, again.value, elements=elements)
+    return edit
+
+
+def _check_outside(before: R, edit: Edit[R], elements: ElementsOf) -> Array:
+    """Raise if anything changed outside the splices; return parameters at which the curve did."""
+    after, splices = edit.value, edit.splices
     t = dense_parameters(before, splices, after, elements=elements)
     inside = np.zeros(len(t), dtype=bool)
     for splice in splices:
@@ -141,18 +164,8 @@ def check_edit(
                 f"{len(kept)} rows before, {len(found)} after",
                 edit,
             )
-    changes = before.changes(after)
-    exact = type(before).changes is not Representation.changes and not several
-    if exact and not splices.contains(changes):
-        raise InvariantError(
-            f"changes() finds {changes - splices}, which the splices {splices} do not cover", edit
-        )
-    missed = [s for s in t[differs] if not changes.contains(float(s))]
-    if missed:
-        raise InvariantError(f"changes() misses a difference at t = {missed[0]!r}", edit)
-    if after.size <= STORED:  # long ones are slow to write, and the suite writes one of them
-        check_data(after, elements=elements)
-    return edit
+    changed: Array = t[differs]
+    return changed
 
 
 def check_data(value: Representation, *, elements: ElementsOf = default_elements) -> None:

@@ -186,5 +186,6 @@ def decompose(points: Array) -> tuple[Array, Array]:
     p, q = floats(refinement_matrix(level)), floats(wavelet_matrix(level))
     scale = np.abs(q).max(axis=0)
     solution = np.linalg.solve(np.concatenate((p, q / scale), axis=1), points)
+    rows: Array = np.asarray(solution, dtype=np.float64)
     coarse = p.shape[1]
-    return solution[:coarse], solution[coarse:] / scale[:, None]
+    return rows[:coarse], rows[coarse:] / scale[:, None]

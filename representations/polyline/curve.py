@@ -27,6 +27,7 @@ from multirep.representations.polyline.splicing import follow
 from multirep.representations.polyline.validation import (
     checked_parameters,
     checked_points,
+    checked_replacement,
     checked_row,
     checked_rows,
     two_distinct,
@@ -353,29 +354,7 @@ class Polyline(Representation):
         EditError
             When the result would be no polyline over T.
         """
-        if not 0 <= start <= stop <= self.size:
-            raise EditError(
-                f"vertices {start} to {stop} of a polyline with vertices 0 to {self.size - 1}"
-            )
-        rows = checked_rows(points, self.dimension)
-        values: Array = np.asarray(t, dtype=np.float64)
-        if values.shape != (len(rows),):
-            raise EditError(
-                f"{len(rows)} vertices need as many parameters, got shape {values.shape}"
-            )
-        low, high = max(start - 1, 0), min(stop + 1, self.size)
-        around = np.concatenate([self.t.window(low, start), values, self.t.window(stop, high)])
-        ends = (
-            around[0] == self.t[low] and around[-1] == self.t[high - 1]
-            if len(around) > 1
-            else False
-        )
-        if not (ends and (around[1:] > around[:-1]).all()):
-            raise EditError(
-                "the parameters of the vertices must increase strictly from one end of the domain "
-                f"{self.domain} to the other"
-            )
-        reported = float(self.t[low]), float(self.t[high - 1])
+        values, rows, reported = checked_replacement(self, start, stop, t, points)
         return self._replaced(start, stop, values, rows, reported)
 
     def _replaced(

@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from multirep.arrays import Array, ArrayLike
 from multirep.blocks import BlockArray
 from multirep.errors import EditError, InvalidCurveError
 from multirep.runs import blocks_of
+
+if TYPE_CHECKING:
+    from multirep.representations.polyline.curve import Polyline
 
 #: Largest |coordinate|: squares of differences, summed over coordinates, stay finite.
 LARGEST = 1e150
@@ -95,6 +100,40 @@ def checked_row(point: ArrayLike, dimension: int) -> Array:
     if row.ndim != 1:
         raise EditError(f"a vertex needs {dimension} numbers, got an array of shape {row.shape}")
     return checked_rows(row[None], dimension)
+
+
+def checked_replacement(
+    curve: Polyline, start: int, stop: int, t: ArrayLike, points: ArrayLike
+) -> tuple[Array, Array, tuple[float, float]]:
+    """Check what shall replace the vertices ``start`` .. ``stop`` - 1; else EditError.
+
+    Returns
+    -------
+    (k,) array
+        Parameters, between those of the vertices around; the ends of T stay where they are.
+    (k, d) array
+        Vertices.
+    pair of float
+        Where the curve changes: from the vertex before to the vertex after. Cost: O(k).
+    """
+    if not 0 <= start <= stop <= curve.size:
+        raise EditError(
+            f"vertices {start} to {stop} of a polyline with vertices 0 to {curve.size - 1}"
+        )
+    rows = checked_rows(points, curve.dimension)
+    values: Array = np.asarray(t, dtype=np.float64)
+    if values.shape != (len(rows),):
+        raise EditError(f"{len(rows)} vertices need as many parameters, got shape {values.shape}")
+    low, high = max(start - 1, 0), min(stop + 1, curve.size)
+    around = np.concatenate([curve.t.window(low, start), values, curve.t.window(stop, high)])
+    first, last = float(curve.t[low]), float(curve.t[high - 1])
+    ends = len(around) > 1 and around[0] == first and around[-1] == last
+    if not (ends and (around[1:] > around[:-1]).all()):
+        raise EditError(
+            "the parameters of the vertices must increase strictly from one end of the domain "
+            f"{curve.domain} to the other"
+        )
+    return values, rows, (first, last)
 
 
 def two_distinct(points: BlockArray) -> bool:

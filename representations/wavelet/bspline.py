@@ -86,8 +86,8 @@ class WaveletBSpline(Representation):
         self._set(Graded.of(Interval.of(domain), u, rows))
 
     def _set(self, graded: Graded, known: Known | None = None) -> None:
-        self.__dict__.update(domain=graded.domain, dimension=graded.points.shape[1])
-        self.__dict__.update(_graded=graded, _pyramids={}, _known=known or Known())
+        vars(self).update(domain=graded.domain, dimension=graded.points.shape[1])
+        vars(self).update(_graded=graded, _pyramids={}, _known=known or Known())
 
     def __setattr__(self, name: str, value: object) -> None:
         raise AttributeError(f"a WaveletBSpline is immutable; cannot set {name!r}")

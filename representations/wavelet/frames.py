@@ -15,7 +15,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from multirep.arrays import Array
+from multirep.arrays import Array, Flags, Indices
 from multirep.errors import EditError
 from multirep.representations.wavelet.filters import level_of
 from multirep.representations.wavelet.graded import clamped
@@ -82,7 +82,8 @@ def frames(points: Array, coarser: Array | None = None) -> Array:
         tangents = np.where(
             moving[:, None], velocity / np.where(moving, speed, 1.0)[:, None], parents[:, :, 0]
         )
-        return _orthonormal(_smallest_rotations(parents[:, :, 0], tangents) @ parents)
+        turned = _smallest_rotations(parents[:, :, 0], tangents) @ parents
+        return _orthonormal(turned[:, :, 0], turned[:, :, 1])
     tangents = (velocity / np.where(moving, speed, 1.0)[:, None])[_before(moving)]
     bend = evaluate(u, points, 3, centres, order=2)
     bend -= np.einsum("md,md->m", bend, tangents)[:, None] * tangents
@@ -99,18 +100,17 @@ def frames(points: Array, coarser: Array | None = None) -> Array:
     steps = _smallest_rotations(tangents[:-1], tangents[1:])
     transport = _products(np.concatenate((np.eye(3)[None], steps)))
     normal = transport @ (transport[first].T @ (bend[first] / np.linalg.norm(bend[first])))
-    binormal = np.cross(tangents, normal)
-    return _orthonormal(np.stack((tangents, normal, binormal), axis=2))
+    return _orthonormal(tangents, normal)
 
 
 def _halves(coarser: Array) -> Array:
     return np.repeat(coarser, 2, axis=0)
 
 
-def _before(moving: Array) -> Array:
+def _before(moving: Flags) -> Indices:
     """Index of the last moving place up to each, or of the first one at all."""
     places = np.where(moving, np.arange(len(moving)), -1)
-    found: Array = np.maximum(np.maximum.accumulate(places), moving.argmax())
+    found: Indices = np.maximum(np.maximum.accumulate(places), moving.argmax())
     return found
 
 
@@ -143,10 +143,11 @@ def _products(matrices: Array) -> Array:
     return products
 
 
-def _orthonormal(found: Array) -> Array:
+def _orthonormal(tangent: Array, normal: Array) -> Array:
     """Take the rounding of many products out: T as it is, N at right angles, B their product."""
-    tangent, normal = found[:, :, 0], found[:, :, 1]
     normal = normal - np.einsum("md,md->m", tangent, normal)[:, None] * tangent
     normal /= np.linalg.norm(normal, axis=1)[:, None]
-    taken: Array = np.stack((tangent, normal, np.cross(tangent, normal)), axis=2)
+    taken = np.empty((*tangent.shape, 3))
+    taken[:, :, 0], taken[:, :, 1] = tangent, normal
+    taken[:, :, 2] = np.cross(tangent, normal)
     return taken

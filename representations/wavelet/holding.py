@@ -124,7 +124,7 @@ def _guarded(curve: Graded, end: float, side: int) -> tuple[Graded, float]:
     if (found - end) * side < 0:
         u += side * step
         found = float(parameters(np.array([u]), domain)[0])
-    guards = u + side * step * np.arange(3)
+    guards = u + side * step * np.arange(3.0)
     if guards.min() <= 0.0 or guards.max() >= 1.0:
         return curve, domain.start if side < 0 else domain.stop
     return curve.refined(np.sort(guards)), found

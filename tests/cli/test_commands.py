@@ -248,17 +248,5 @@ def test_version_and_help() -> None:
     """The version is that of the package; the help tells the exit codes."""
     assert call("--version").stdout == f"multirep {multirep.__version__}\n"
     text = call("--help").stdout
-    assert "Exit codes: 0 done; 1 the work failed; 2 the input is wrong." in text
+    assert "Exit codes: 0 done; 1 the work failed; 2 the input is wrong; 130 interrupted." in text
     assert call("no-such-command").exit_code == 2
-
-
-def test_progress_only_on_a_terminal(script: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """In a pipe nothing is said on stderr; on a terminal each step is."""
-    from multirep import cli
-
-    assert call("check", script).stderr == ""
-    monkeypatch.setattr(cli.sys.stderr, "isatty", lambda: True, raising=False)
-    tell, done = cli._progress()
-    assert tell is not None
-    tell(0, 3, "x")
-    done()

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from wavy_nurbs import wavy
 
 import multirep as mr
 from multirep.constraints import CornerConstraint, Freeze, PointConstraint
@@ -16,17 +17,6 @@ from multirep.testing import check_edit
 from multirep.tools import Corner
 
 VECTORS = st.tuples(st.integers(-8, 8), st.integers(-8, 8))
-
-
-def wavy(n: int = 18, degree: int = 3, *, rational: bool = False) -> Nurbs:
-    rng = np.random.default_rng(n)
-    inner = np.sort(rng.uniform(0, 1, n - degree - 1))
-    knots = np.r_[[0.0] * (degree + 1), inner, [1.0] * (degree + 1)]
-    x = np.linspace(0, 4, n)
-    weights = 2.0 ** rng.uniform(-1, 1, n) if rational else None
-    return Nurbs(
-        degree=degree, knots=knots, points=np.column_stack([x, np.sin(2 * x)]), weights=weights
-    )
 
 
 def edited(curve: Nurbs, corner: Corner) -> Nurbs:

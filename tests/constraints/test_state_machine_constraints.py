@@ -13,15 +13,9 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import settings
 from hypothesis import strategies as st
-from hypothesis.stateful import (
-    initialize,
-    invariant,
-    precondition,
-    rule,
-    run_state_machine_as_test,
-)
+from hypothesis.stateful import initialize, invariant, precondition, rule
+from machines import check_machine
 from test_state_machine import (
     STARTS,
     TOLERANCES,
@@ -218,16 +212,9 @@ class ConstrainedMachine(SessionMachine):
             self.ice[name] = (stretches, bits, values)
 
 
-def test_a_session_keeps_its_promises_with_constraints() -> None:
-    """Two hundred steps; the slow test takes two thousand."""
-    run_state_machine_as_test(
-        ConstrainedMachine, settings=settings(max_examples=10, stateful_step_count=20)
-    )
-
-
-@pytest.mark.slow
-def test_long_sessions_keep_their_promises_with_constraints() -> None:
-    """Two thousand steps, in sessions of fifty."""
-    run_state_machine_as_test(
-        ConstrainedMachine, settings=settings(max_examples=40, stateful_step_count=50)
-    )
+@pytest.mark.parametrize(
+    ("sessions", "steps"), [(10, 20), pytest.param(40, 50, marks=pytest.mark.slow)]
+)
+def test_a_session_keeps_its_promises_with_constraints(sessions: int, steps: int) -> None:
+    """What is committed holds all constraints; what is frozen keeps every bit."""
+    check_machine(ConstrainedMachine, sessions=sessions, steps=steps)

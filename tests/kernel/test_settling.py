@@ -266,6 +266,31 @@ def test_a_cycle_that_shrinks_too_slowly_ends_after_the_last_round(
     assert caught.value.constraints == ("s",)
 
 
+def test_constraints_that_would_go_on_for_a_thousand_rounds_are_stopped_after_a_few() -> None:
+    """Each must stand above the other, and says that it gets nearer: one enforcement a round."""
+    log: list[str] = []
+
+    @attrs.frozen
+    class Above(Height):
+        name = "above"
+
+        def residual(self, value: LoopbackRepresentation) -> float:
+            mine, other = value.points[[self.index, self.side_effects[0][0]], 1].tolist()
+            return 0.0 if mine > other else 2.0 ** (1000 - other)
+
+        def enforce(self, value: Any, change: SpliceList, scene: Scene) -> Edit[Any]:
+            self.log.append(f"{self.index}")
+            return moved(value, {self.index: value.points[self.side_effects[0][0], 1] + 1})
+
+    target, change = disturbed({3: 1.0})
+    pair = {"a": Above(3, 0, ((5, 0),), 3, log), "b": Above(5, 0, ((3, 0),), 3, log)}
+    with pytest.raises(ConflictError, match=f"do not settle in {MAX_ROUNDS} rounds") as caught:
+        settle(target, pair, change, Scene())
+    assert log == ["5", "3"] * (MAX_ROUNDS // 2)
+    assert len(log) <= 64
+    assert caught.value.constraints == ("b",)
+
+
 @pytest.mark.parametrize(
     ("enforced", "message"),
     [(1.0, "does not hold after it has re-established itself"), (None, "change nothing")],

@@ -26,7 +26,7 @@ LINE = Polyline([0, 1], [[-8, 0], [8, 0]])
 SAGITTA = 1 - 1 / 100
 
 
-def stroke(polyline: Polyline, radius: float, path: Any) -> Edit[Polyline]:
+def check_stroke(polyline: Polyline, radius: float, path: Any) -> Edit[Polyline]:
     """Apply the tool and check everything that must hold after any stroke."""
     tool = Spatula(radius=radius, path=path)
     edit = check_edit(polyline, tool.edit(polyline, Scene()))
@@ -78,7 +78,7 @@ def winding(polygon: Array, centre: Array) -> int:
 
 def test_it_pushes_a_bulge_and_adds_sand() -> None:
     """A line pushed up from below follows the front of the circle."""
-    edit = stroke(LINE, 1.0, [[0, -2], [0, 1]])
+    edit = check_stroke(LINE, 1.0, [[0, -2], [0, 1]])
     points = np.asarray(edit.value)
     assert points.max(axis=0).tolist() == [8, pytest.approx(2.0)]
     assert len(points) > 20
@@ -90,7 +90,7 @@ def test_it_removes_sand() -> None:
     """A line of many vertices that is pushed back on itself has fewer afterwards."""
     t = np.linspace(0, 1, 2001)
     dense = Polyline(t, np.stack([16 * t - 8, np.sin(40 * t)], axis=1))
-    edit = stroke(dense, 1.5, [[-2, -3], [-2, 0], [2, 0], [2, -4]])
+    edit = check_stroke(dense, 1.5, [[-2, -3], [-2, 0], [2, 0], [2, -4]])
     assert edit.value.size < dense.size
     lengths = np.linalg.norm(np.diff(np.asarray(edit.value), axis=0), axis=1)
     assert lengths.max() <= 1.5 / 4
@@ -107,15 +107,15 @@ def test_it_does_nothing_where_it_touches_nothing() -> None:
 def test_a_dab_clears_its_circle() -> None:
     """One point of a path is a place to stand; dead centre, the curve gives way upwards."""
     for centre in ([0, 0.2], [0, -0.2], [0, 0], [8, 0], [-8, 0.5]):
-        stroke(LINE, 1.0, [centre])
-    assert np.asarray(stroke(LINE, 1.0, [[0, 0]]).value)[:, 1].max() == 1.0
+        check_stroke(LINE, 1.0, [centre])
+    assert np.asarray(check_stroke(LINE, 1.0, [[0, 0]]).value)[:, 1].max() == 1.0
 
 
 def test_each_touched_stretch_is_a_splice_of_its_own() -> None:
     """A stroke that crosses a curve four times changes four intervals and nothing in between."""
     t = np.linspace(0, 1, 401)
     strands = Polyline(t, np.stack([np.cos(np.pi * t) * 10, np.sin(np.pi * t) * 4], axis=1))
-    edit = stroke(strands, 0.3, [[-9, -1], [-9, 3], [9, 3], [9, -1]])
+    edit = check_stroke(strands, 0.3, [[-9, -1], [-9, 3], [9, 3], [9, -1]])
     assert len(edit.splices) == 4
     assert edit.splices.length < 0.5
 
@@ -133,7 +133,7 @@ def test_the_curve_never_crosses_over_the_spatula(
     """Closed far below, the line winds around the centre as before, however fast the stroke."""
     line = Polyline([0, 1], [[-100, 0], [100, 0]])
     path = np.concatenate([[[0.0, -5.0]], np.array(way) / 4])
-    edit = stroke(line, radius, path)
+    edit = check_stroke(line, radius, path)
     below = np.array([[100.0, -100.0], [-100.0, -100.0]])
     polygon = np.concatenate([np.asarray(edit.value), below])
     assert winding(polygon, path[-1]) == winding(np.concatenate([np.asarray(line), below]), path[0])
@@ -142,21 +142,21 @@ def test_the_curve_never_crosses_over_the_spatula(
 def test_a_stroke_faster_than_the_curve_is_wide() -> None:
     """One motion over a thin loop takes the loop along: it does not appear on the other side."""
     thin = Polyline.from_points([[-5, 0], [0, 0.02], [5, 0], [5, -0.02], [0, -0.04], [-5, -0.02]])
-    edit = stroke(thin, 0.5, [[0.3, -7], [0.3, 9]])
+    edit = check_stroke(thin, 0.5, [[0.3, -7], [0.3, 9]])
     near = np.abs(np.asarray(edit.value)[:, 0] - 0.3) < 0.1
     assert np.asarray(edit.value)[near, 1].min() > 9
 
 
 def test_ends_are_pushed_but_stay_ends() -> None:
     """An end of the curve moves with the sand and keeps its parameter."""
-    edit = stroke(LINE, 0.5, [[8, -1], [8, 2], [-8, 2], [-8, -3]])
+    edit = check_stroke(LINE, 0.5, [[8, -1], [8, 2], [-8, 2], [-8, -3]])
     assert edit.value([0, 1]).tolist() != LINE([0, 1]).tolist()
     assert edit.value.domain == LINE.domain
 
 
 def test_an_end_pushed_along_the_curve_leaves_no_debris() -> None:
     """Sand pushed back on itself is removed: a straight line stays two or three vertices."""
-    edit = stroke(LINE, 0.5, [[9, 0], [2, 0]])
+    edit = check_stroke(LINE, 0.5, [[9, 0], [2, 0]])
     assert edit.value.size <= 4
     assert np.asarray(edit.value)[-1] == pytest.approx([1.5, 0])
 
@@ -168,7 +168,7 @@ def test_pushed_vertices_keep_their_parameters_in_a_gentle_stroke() -> None:
     """A nudge moves vertices in space, not in T."""
     t = np.linspace(0, 1, 161)
     dense = Polyline(t, np.stack([16 * t - 8, 0 * t], axis=1))
-    edit = stroke(dense, 1.0, [[0, -2], [0, -0.9]])
+    edit = check_stroke(dense, 1.0, [[0, -2], [0, -0.9]])
     assert set(t.tolist()) <= set(edit.value.t.tolist())
     assert edit.splices.length < 0.1
 
@@ -178,7 +178,7 @@ def test_a_long_pull_spreads_parameters_over_the_pulled_stretch_only(count: int)
     """The tail runs at an even speed; the rest keeps its parameters."""
     t = np.linspace(0, 1, count)
     line = Polyline(t, np.stack([16 * t - 8, 0 * t], axis=1))
-    after = stroke(line, 0.5, [[0, -1], [0, 40]]).value
+    after = check_stroke(line, 0.5, [[0, -1], [0, 40]]).value
     at = np.array([0.0, 0.25, 0.45, 0.55, 0.75, 1.0])
     np.testing.assert_allclose(after(at), line(at), atol=1e-12)
     speed = np.linalg.norm(np.diff(np.asarray(after), axis=0), axis=1) / np.diff(after.t)
@@ -212,18 +212,21 @@ def test_strokes_over_real_curves() -> None:
         polyline = Polyline.from_points(points)
         size = float(np.ptp(points, axis=0).max())
         for _ in range(2):
-            start = points[rng.integers(len(points))]
-            path = start + size * np.cumsum(rng.normal(size=(3, 2)) * 0.1, axis=0)
-            polyline = stroke(polyline, size * float(rng.uniform(0.01, 0.1)), path).value
+            start = np.asarray(polyline)[rng.integers(polyline.size)]
+            steps = np.concatenate([np.zeros((1, 2)), rng.normal(size=(3, 2)) * 0.1])
+            path = start + size * np.cumsum(steps, axis=0)
+            edit = check_stroke(polyline, size * float(rng.uniform(0.01, 0.1)), path)
+            assert edit.splices, "the stroke starts on the curve"
+            polyline = edit.value
 
 
 @pytest.mark.parametrize("exponent", [-40, -20, 20, 40])
 def test_any_scale_alike(exponent: int) -> None:
     """Scaled by a power of two the stroke is the same, bit by bit: no absolute thresholds."""
     scale, path = 2.0**exponent, np.array([[0, -2], [1, 1.5]])
-    usual = stroke(LINE, 1.0, path).value
+    usual = check_stroke(LINE, 1.0, path).value
     scaled = Polyline(LINE.t, np.asarray(LINE) * scale)
-    other = stroke(scaled, scale, path * scale).value
+    other = check_stroke(scaled, scale, path * scale).value
     assert np.asarray(other.t).tobytes() == np.asarray(usual.t).tobytes()
     assert (np.asarray(other) / scale).tobytes() == np.asarray(usual).tobytes()
 
@@ -232,7 +235,7 @@ def test_far_from_the_origin() -> None:
     """Coordinates of 1e9 leave room for a radius of 1, not for one of 1e-3."""
     far = Polyline(LINE.t, np.asarray(LINE) + 1e9)
     path = np.array([[0, -2], [0, 1]]) + 1e9
-    assert stroke(far, 1.0, path).value.size > 20
+    assert check_stroke(far, 1.0, path).value.size > 20
     with pytest.raises(EditError, match="below the resolution"):
         Spatula(radius=1e-3, path=path).edit(far, Scene())
 
