@@ -105,6 +105,25 @@ static inline Index interval_at(const double *at, Index low, Index high, Index f
     return from;
 }
 
+/* -- rope.c: the rows of a block array, end to end ---------------------------------------------- */
+
+typedef struct {
+    const double **blocks;
+    Index *begins; /* the first row of each block, and the row after the last */
+    Index count, columns, current;
+} Rope;
+
+/* Of an array, or of a tuple of arrays that lie row after row. */
+Rope rope_of(Call *call, PyObject *arrays);
+static inline Index rope_length(const Rope *rope)
+{
+    return rope->count ? rope->begins[rope->count] : 0;
+}
+/* Make the block of a row the current one. */
+void rope_turn(Rope *rope, Index row);
+/* Some neighbouring rows; copied to `room` where they lie in several blocks. */
+const double *rope_rows(Rope *rope, Index first, Index count, double *room);
+
 /* -- basis.c: spans, basis functions, polar forms ---------------------------------------------- */
 
 /* A spline: knots (n + p + 1,), coefficients (n, dimension), degree p >= 1; the first and the last
@@ -221,6 +240,7 @@ int solve_banded(double *band, double *right, Index count, Index bandwidth, Inde
 METHOD(core_find_spans);
 METHOD(core_basis_functions);
 METHOD(core_blossom);
+METHOD(core_points);
 METHOD(core_polyline_rows);
 METHOD(core_solve_window);
 METHOD(core_fit);

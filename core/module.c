@@ -7,6 +7,7 @@ static PyMethodDef methods[] = {
     ENTRY(find_spans),
     ENTRY(basis_functions),
     ENTRY(blossom),
+    ENTRY(points),
     ENTRY(polyline_rows),
     ENTRY(solve_window),
     ENTRY(fit),
