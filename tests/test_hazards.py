@@ -23,6 +23,7 @@ from multirep.arrays import Array
 from multirep.blocks import BlockArray
 from multirep.representation import Representation
 from multirep.representations import Nurbs, Polyline, WaveletBSpline
+from multirep.splines import compiled
 
 #: Control points of a long curve, and the most knots that something local may hand to scipy.
 LONG, LOCAL = 20_000, 400
@@ -67,6 +68,28 @@ def walks(monkeypatch: pytest.MonkeyPatch) -> list[int]:
         return call(spline, t, *more)
 
     monkeypatch.setattr(BSpline, "__call__", watched)
+    monkeypatch.setattr(compiled, "active", False)
+    return found
+
+
+@pytest.fixture
+def handed(monkeypatch: pytest.MonkeyPatch) -> list[int]:
+    """The knots that the core is handed in each evaluation, in blocks or not."""
+    if compiled.core is None:
+        pytest.skip("the core was not built")
+    found: list[int] = []
+
+    class Watched:
+        def __getattr__(self, name: str) -> Any:
+            return getattr(core, name)
+
+        def points(self, knots: Any, *more: Any) -> None:
+            found.append(sum(map(len, knots)) if isinstance(knots, tuple) else len(knots))
+            core.points(knots, *more)
+
+    core = compiled.core
+    monkeypatch.setattr(compiled, "core", Watched())
+    monkeypatch.setattr(compiled, "active", True)
     return found
 
 
@@ -81,6 +104,50 @@ def test_one_point_is_no_walk(long_curve: Representation, walks: list[int]) -> N
         long_curve.derivative([t])
     assert walks
     assert max(walks) <= 4
+
+
+def test_one_point_is_a_window_for_the_core(long_curve: Representation, handed: list[int]) -> None:
+    """Of one span, whichever way it is asked for."""
+    for t in (0.0, 0.3, 0.7312, 1.0):
+        long_curve(t)
+        long_curve([t])
+        long_curve.derivative([t])
+    assert len(handed) >= 12
+    assert max(handed) <= 8
+
+
+def test_points_far_apart_are_windows_for_the_core(
+    long_curve: Representation, handed: list[int]
+) -> None:
+    """Derivatives too."""
+    long_curve([0.99, 0.01])
+    long_curve.derivative([0.99, 0.01])
+    assert len(handed) >= 4
+    assert max(handed) <= 8
+
+
+@pytest.mark.parametrize("curve", ["polynomial", "rational", "wavelet"])
+def test_many_points_are_read_from_the_blocks(
+    curve: str, handed: list[int], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """No array is copied as a whole; the bits are those of the spans one by one, and numpy's."""
+    value = CURVES[curve]()
+    t = np.random.default_rng(2).random(LONG)
+    t[:100] = np.asarray(value.knots)[50:150]
+    lengths: list[int] = []
+    window = BlockArray.window
+
+    def watched(array: BlockArray, start: int, stop: int) -> Array:
+        lengths.append(stop - start)
+        return window(array, start, stop)
+
+    monkeypatch.setattr(BlockArray, "window", watched)
+    together = value(t)
+    assert max(lengths, default=0) <= 8
+    assert max(handed) == len(value.knots)
+    np.testing.assert_array_equal(together[:300], [value(s) for s in t[:300].tolist()])
+    monkeypatch.setattr(compiled, "active", False)
+    np.testing.assert_array_equal(together, value(t))
 
 
 def test_many_points_in_no_order_are_one_walk(long_curve: Representation, walks: list[int]) -> None:
@@ -163,6 +230,7 @@ def test_a_drag_step_hands_scipy_a_window(kind: type[Any], monkeypatch: pytest.M
         return construct(cls, t, *more)
 
     monkeypatch.setattr(BSpline, "construct_fast", classmethod(watched))
+    monkeypatch.setattr(compiled, "active", False)
     drag(curve, kind, 1)
     curve.view(Nurbs)([0.4, 0.401])
     assert max(lengths) <= LOCAL < len(curve.view(Nurbs).knots) / 4

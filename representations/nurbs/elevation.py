@@ -10,10 +10,10 @@ from multirep.arrays import Array
 from multirep.blocks import BlockArray
 from multirep.edit import Edit
 from multirep.errors import EditError
-from multirep.representations.nurbs.evaluation import homogeneous
 from multirep.representations.nurbs.validation import LARGEST_DEGREE
 from multirep.splices import SpliceList
 from multirep.splines import blossom
+from multirep.splines.rational import homogeneous
 
 if TYPE_CHECKING:
     from multirep.representations.nurbs.curve import Nurbs

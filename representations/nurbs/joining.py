@@ -16,10 +16,10 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
 from multirep.arrays import Array
-from multirep.representations.nurbs.evaluation import homogeneous
 from multirep.representations.nurbs.problem import Breakpoints
 from multirep.representations.nurbs.refinement import merged_breakpoints
 from multirep.splines import blossom, evaluate
+from multirep.splines.rational import homogeneous
 
 if TYPE_CHECKING:
     from multirep.representations.nurbs.curve import Nurbs

@@ -14,10 +14,10 @@ import numpy as np
 
 from multirep.arrays import Array, Indices
 from multirep.bounds import spline_chord_deviation
-from multirep.representations.nurbs.evaluation import homogeneous
 from multirep.sampled import SampledSplice
 from multirep.splines import compiled, evaluate
 from multirep.splines.least_squares import most_rows, polyline_rows, solve_window, undetermined
+from multirep.splines.rational import homogeneous
 
 #: How much more a row counts that lies on a knot of full multiplicity: so corners are met almost
 #: exactly. Larger would cost digits in the normal equations.

@@ -16,8 +16,8 @@ from multirep.arrays import Array
 from multirep.edit import Edit
 from multirep.errors import EditError, ToleranceError
 from multirep.interval import Interval
-from multirep.representations.nurbs.evaluation import homogeneous
 from multirep.splices import SpliceList
+from multirep.splines.rational import homogeneous
 
 if TYPE_CHECKING:
     from multirep.representations.nurbs.curve import Nurbs

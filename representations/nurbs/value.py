@@ -6,36 +6,26 @@ from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 
-from multirep.arrays import Array, ArrayLike, frozen_array
+from multirep.arrays import ArrayLike, frozen_array
 from multirep.blocks import BlockArray
-from multirep.capsules import Known
+from multirep.capsules import Known, Tree
 from multirep.errors import EditError, InvalidCurveError, ToleranceError
 from multirep.interval import Interval
-from multirep.nearest import nearest_in_tree
 from multirep.patches import patch_of, patched
-from multirep.representation import Nearest, Representation
-from multirep.representations.nurbs import changes, controls, evaluation
-from multirep.representations.nurbs.evaluation import (
-    Side,
-    homogeneous,
-    settled_at_corners,
-    window_points,
-)
-from multirep.representations.nurbs.proximity import tree
+from multirep.representations.nurbs import changes, controls
 from multirep.representations.nurbs.sizes import Sizes, sizes_of
 from multirep.representations.nurbs.validation import validated
 from multirep.sampled import SampledSplice
 from multirep.splices import SpliceList
+from multirep.spline_curve import SplineCurve, Window
+from multirep.spline_tree import spline_tree
+from multirep.splines.rational import Side, homogeneous
 
 if TYPE_CHECKING:
     from scipy.interpolate import BSpline
 
-#: Parameters that are farther apart than this many spans each are evaluated one by one: scipy walks
-#: through all spans between them, 2.6 ns each, and one evaluation of its own costs 7 us.
-SCATTERED = 2000
 
-
-class NurbsValue(Representation):
+class NurbsValue(SplineCurve):
     """Degree, knots, control points and weights of a NURBS; see :class:`Nurbs` for all of it."""
 
     degree: int
@@ -143,63 +133,9 @@ class NurbsValue(Representation):
         return max(sizes.wholes)
 
     def span(self, t: float, side: Side = "right") -> int:
-        """Return k with knots[k] <= t < knots[k + 1] (left: knots[k] < t <= knots[k + 1]).
-
-        Never an empty span, nor one outside T; O(log n).
-        """
+        """Return the knot span that a parameter lies in, one that is not empty; O(log n)."""
         at = self._knots.searchsorted(t, side) - 1
         return min(max(at, self.degree), len(self._points) - 1)
-
-    def __call__(self, t: ArrayLike) -> Array:
-        """Points at parameters: scalar -> (d,), (m,) -> (m, d).
-
-        Cost: about 8 us for one parameter whatever n; scipy's time for many.
-
-        Raises
-        ------
-        ParameterError
-            Outside T.
-        """
-        if isinstance(t, float) and self.domain.start <= t <= self.domain.stop:
-            return self._point(t)
-        at = self.parameters(t)
-        if at.ndim == 0:
-            return self._point(float(at))
-        shape = at.shape
-        flat = at.ravel()
-        if not len(flat):
-            return np.empty((*shape, self.dimension))
-        window = self._span_window(float(flat.min()), float(flat.max()))
-        if window[1] - window[0] > SCATTERED * len(flat):
-            values = np.stack([self._point(s) for s in flat.tolist()])
-        else:
-            values = self._evaluated(flat, *self._arrays(*window))
-        return values if at.ndim == 1 else values.reshape(*shape, -1)
-
-    def derivative(self, t: ArrayLike, order: int = 1, side: str = "right") -> Array:
-        """Differentiate by t, to any order, from the right or the left; shapes as for calls.
-
-        Raises
-        ------
-        ParameterError
-            Outside T.
-        EditError
-            For a negative order or an unknown side.
-        """
-        if side not in ("left", "right"):
-            raise EditError(f"the side must be 'left' or 'right', got {side!r}")
-        if order < 0:
-            raise EditError(f"the order of a derivative must be 0 or more, got {order!r}")
-        at = self.parameters(t)
-        flat = at.ravel()
-        if not len(flat):
-            return np.empty((*at.shape, self.dimension))
-        which: Side = "left" if side == "left" else "right"
-        first, last = self.span(float(flat.min()), which), self.span(float(flat.max()), which)
-        values = evaluation.window_derivative(
-            *self._arrays(first, last), self.degree, flat, int(order), which
-        )
-        return values.reshape(*at.shape, self.dimension)
 
     def sample(self, interval: Interval, *, tolerance: float) -> SampledSplice:
         """Return a polyline over ``interval``, certified (`multirep.splines.sample_spline`).
@@ -214,7 +150,7 @@ class NurbsValue(Representation):
         from multirep.splines import sample_spline
 
         start, stop = self.ends(interval)
-        knots, points, weights = self._window(start, stop)
+        knots, points, weights = self._window(self.span(start), self.span(stop))
         rational = weights is not None and bool((weights != 1.0).any())
         rows = homogeneous(points, weights) if rational and weights is not None else points
         try:
@@ -233,15 +169,7 @@ class NurbsValue(Representation):
             chord_bounds=bounds,
         )
 
-    def _window(self, start: float, stop: float) -> tuple[Array, Array, Array | None]:
-        """Knots, points and weights that the curve depends on between two parameters."""
-        return self._arrays(*self._span_window(start, stop))
-
-    def _span_window(self, start: float, stop: float) -> tuple[int, int]:
-        first = self.span(start)
-        return first, first if stop == start else self.span(stop)
-
-    def _arrays(self, first: int, last: int) -> tuple[Array, Array, Array | None]:
+    def _window(self, first: int, last: int) -> Window:
         low = first - self.degree
         weights = self._weights
         return (
@@ -250,33 +178,11 @@ class NurbsValue(Representation):
             None if weights is None else weights.window(low, last + 1),
         )
 
-    def _point(self, t: float) -> Array:
-        """Evaluate one parameter, as `window_points` would, with little around it."""
-        p, points, weights = self.degree, self._points, self._weights
-        first = min(max(self._knots.searchsorted(t, "right") - 1, p), len(points) - 1)
-        low = first - p
-        knots, rows = self._knots.window(low, first + p + 2), points.window(low, first + 1)
-        if t == knots[p] and t == knots[1]:
-            return np.array(rows[0])
-        if t == knots[p + 1] and t == knots[2 * p]:
-            return np.array(rows[p])
-        from scipy.interpolate import BSpline
+    def _in_blocks(self) -> tuple[BlockArray, BlockArray, BlockArray | None]:
+        return self._knots, self._points, self._weights
 
-        if weights is not None:
-            w = weights.window(low, first + 1)
-            if w.tolist().count(1.0) <= p:
-                found = BSpline.construct_fast(knots, homogeneous(rows, w), p)(t)
-                return np.asarray(found[:-1] / found[-1])
-        found = BSpline.construct_fast(knots, rows, p)(t)
-        return np.asarray(found)
-
-    def _evaluated(self, t: Array, knots: Array, points: Array, weights: Array | None) -> Array:
-        values = window_points(knots, points, weights, self.degree, t)
-        return settled_at_corners(values, knots, points, self.degree, t)
-
-    def nearest(self, point: ArrayLike) -> Nearest:
-        """Return the nearest place, or those of many points; see `Representation.nearest`."""
-        return nearest_in_tree(self, lambda: tree(self), point)
+    def _tree(self) -> Tree:
+        return spline_tree(self._known, self.degree, *self._in_blocks())
 
     def changes(self, other: Self) -> SpliceList:
         """Where this value and ``other`` may differ; O(changed blocks)."""

@@ -2,32 +2,34 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any, Self
 
 import numpy as np
 
 from multirep.arrays import Array, ArrayLike
 from multirep.blocks import BlockArray
-from multirep.capsules import Known
+from multirep.capsules import Known, Tree
 from multirep.edit import Edit
 from multirep.errors import EditError, InvalidCurveError, ToleranceError
 from multirep.interval import Interval
-from multirep.nearest import nearest_in_tree
-from multirep.representation import Nearest, Representation
 from multirep.representations.wavelet import details, holding, levels, releasing, splicing
 from multirep.representations.wavelet.data import read, written
+from multirep.representations.wavelet.dyadic import parameters
 from multirep.representations.wavelet.filters import level_of
 from multirep.representations.wavelet.graded import Graded, clamped, differences
-from multirep.representations.wavelet.proximity import tree
 from multirep.representations.wavelet.pyramid import MAX_LEVEL, USUAL_LEVEL, Pyramid
 from multirep.representations.wavelet.uniform import uniform_points
 from multirep.sampled import SampledSplice
 from multirep.splices import SpliceList
+from multirep.spline_curve import SplineCurve, Window
+from multirep.spline_tree import spline_tree
+from multirep.splines.rational import Side
 
 __all__ = ["WaveletBSpline"]
 
 
-class WaveletBSpline(Representation):
+class WaveletBSpline(SplineCurve):
     """A cubic B-spline with two faces: graded dyadic control points, and a pyramid of details.
 
     The stored truth is the control points. Its knots are A + (B - A) k / 2**l, of as high a level l
@@ -64,6 +66,7 @@ class WaveletBSpline(Representation):
     """
 
     name = "wavelet"
+    degree = 3
     summary = "multiresolution cubic B-spline: graded dyadic knots, wavelet details"
     _graded: Graded
     _pyramids: dict[int, Pyramid]
@@ -130,32 +133,20 @@ class WaveletBSpline(Representation):
         """An upper bound of the largest absolute coordinate, of the control points too."""
         return self._graded.magnitude
 
-    def __call__(self, t: ArrayLike) -> Array:
-        """Points at parameters: scalar -> (d,), (m,) -> (m, d); ParameterError outside T."""
-        at = self.parameters(t)
-        if at.ndim == 0:
-            return self._graded.point(float(at))
-        values = self._graded.evaluate(at.reshape(-1))
-        return values.reshape(*at.shape, self.dimension)
+    def span(self, t: float, side: Side = "right") -> int:
+        """Return the knot span that a parameter lies in, one that is not empty; O(log n)."""
+        return self._graded.span_at(t, side)
 
-    def derivative(self, t: ArrayLike, order: int = 1, side: str = "right") -> Array:
-        """Return the derivative by t of any order; at knots the sides differ from the third on.
+    def _window(self, first: int, last: int) -> Window:
+        return (*self._graded.window(first, last), None)
 
-        Raises
-        ------
-        ParameterError
-            Outside T.
-        EditError
-            For a negative order or an unknown side.
-        """
-        if side not in ("left", "right"):
-            raise EditError(f"the side must be 'left' or 'right', got {side!r}")
-        if order < 0:
-            raise EditError(f"the order of a derivative must be 0 or more, got {order!r}")
-        at = self.parameters(t)
-        flat = at.reshape(-1)
-        values = self._graded.evaluate(flat, order, "left" if side == "left" else "right")
-        return values.reshape(*at.shape, self.dimension)
+    def _in_blocks(self) -> tuple[BlockArray, BlockArray, None] | None:
+        return self._graded.stored
+
+    def _tree(self) -> Tree:
+        curve = self._graded
+        mapped = partial(parameters, domain=curve.domain)
+        return spline_tree(self._known, 3, curve.u, curve.points, None, mapped)
 
     def sample(self, interval: Interval, *, tolerance: float) -> SampledSplice:
         """Return a polyline over ``interval``, certified (`multirep.splines.sample_spline`).
@@ -183,10 +174,6 @@ class WaveletBSpline(Representation):
     def patched(self, patch: bytes) -> Self:
         """Return the value that gave ``patch`` beside this one; O(control points in the patch)."""
         return self._of(self._graded.patched(patch), self._known)
-
-    def nearest(self, point: ArrayLike) -> Nearest:
-        """Return the nearest place, or those of many points; see `Representation.nearest`."""
-        return nearest_in_tree(self, lambda: tree(self._known, self._graded), point)
 
     # -- following a polyline ----------------------------------------------------------------------
 

@@ -22,9 +22,6 @@ from multirep.splines.polar import refine
 __all__ = ["Graded", "clamped", "differences"]
 
 
-#: Parameters that lie farther apart than this many spans each are not evaluated together: gathering
-#: a span costs about 10 ns, a call 10 us.
-_SCATTERED = 1000
 _MAGNITUDE = Struct("=d")
 
 
@@ -108,32 +105,16 @@ class Graded:
         """Knots and control points that the spans first..last depend on: a spline of its own."""
         return self.knots(first - 3, last + 5), self.points.window(first - 3, last + 1)
 
-    def point(self, t: float) -> Array:
-        """One point, (d,), bit for bit as `evaluate` gives it; cheaper, and flat in n."""
-        from scipy.interpolate import BSpline
+    @property
+    def stored(self) -> tuple[BlockArray, BlockArray, None] | None:
+        """Knots, control points and no weights in their blocks, if the knots are parameters."""
+        is_unit = self.domain.start == 0.0 and self.domain.stop == 1.0
+        return (self.u, self.points, None) if is_unit else None
 
-        knots, rows = self.window(span := self.span_at(t), span)
-        found: Array = BSpline.construct_fast(knots, rows, 3)(t)
-        return found
-
-    def evaluate(self, t: Array, order: int = 0, side: Literal["left", "right"] = "right") -> Array:
-        """Points, or derivatives, at parameters (m,) in T, in any order: (m, d).
-
-        A few parameters far apart do not pay for all the knots between them.
-        """
-        if not len(t):
-            return np.empty((0, self.points.shape[1]))
+    def evaluate(self, t: Array) -> Array:
+        """Points at some parameters (m,) of one stretch in T: (m, d)."""
         first, last = self.span_at(float(t.min())), self.span_at(float(t.max()))
-        if side == "left":
-            first = max(3, first - 1)
-        if last - first <= _SCATTERED * len(t) or len(t) == 1:
-            return evaluate(*self.window(first, last), 3, t, order=order, side=side)
-        places = t.argsort(kind="stable")
-        half = len(t) // 2
-        values = np.empty((len(t), self.points.shape[1]))
-        for part in (places[:half], places[half:]):
-            values[part] = self.evaluate(t[part], order, side)
-        return values
+        return evaluate(*self.window(first, last), 3, t)
 
     def replaced(
         self, knots: tuple[int, int], u: Array, points: tuple[int, int], rows: Array

@@ -1,4 +1,4 @@
-"""Points and derivatives of a NURBS from a window of its arrays.
+"""Points and derivatives of a spline with weights or without, from a window of its arrays.
 
 Where all weights that matter are exactly 1 the curve is the polynomial spline, and is computed as
 such: so that changing a weight leaves every point outside its support as it is, bit by bit, though
@@ -13,7 +13,11 @@ from typing import Literal
 import numpy as np
 
 from multirep.arrays import Array, Flags
-from multirep.splines import evaluate, find_spans
+from multirep.splines import compiled
+from multirep.splines.basis import find_spans
+from multirep.splines.evaluation import evaluate
+
+__all__ = ["Side", "curve_derivative", "curve_point", "curve_points", "homogeneous"]
 
 Side = Literal["left", "right"]
 
@@ -36,7 +40,7 @@ def homogeneous(points: Array, weights: Array) -> Array:
     return rows
 
 
-def polynomial_spans(weights: Array, degree: int) -> Flags | None:
+def _polynomial_spans(weights: Array, degree: int) -> Flags | None:
     """Which spans k = p .. n - 1 of a window depend on weights 1 only, (n - p,); None: no span.
 
     Costs O(n), a few passes.
@@ -50,15 +54,67 @@ def polynomial_spans(weights: Array, degree: int) -> Flags | None:
     return plain if bool(plain.any()) else None
 
 
-def window_points(
+def curve_points(
     knots: Array, points: Array, weights: Array | None, degree: int, t: Array
 ) -> Array:
-    """Evaluate a window at parameters (m,) in any order; (m, d)."""
+    """Evaluate a spline at parameters in any order.
+
+    Parameters
+    ----------
+    knots : (n + degree + 1,) array
+    points : (n, d) array
+    weights : (n,) array, or None for ones
+    degree : int
+    t : (m,) array
+        In the domain.
+
+    Returns
+    -------
+    (m, d) array
+        The control point itself where a knot of full multiplicity stands: the curve passes it
+        there, but evaluating the piece to the right may be one unit in the last place off, and off
+        by another one when the next knot moves.
+
+    Examples
+    --------
+    >>> knots, points = np.array([0, 0, 0, 1, 1, 1.0]), np.array([[1.0, 0], [1, 1], [0, 1]])
+    >>> arc = curve_points(knots, points, np.array([1, np.sqrt(0.5), 1]), 2, np.array([0.3, 1]))
+    >>> np.hypot(*arc.T).round(15)
+    array([1., 1.])
+    """
+    if compiled.active:
+        found = np.empty((len(t), points.shape[1]))
+        compiled.core.points(knots, points, weights, degree, t, 0, False, True, found)
+        return found
+    values = _unsettled(knots, points, weights, degree, t)
+    return _settled_at_corners(values, knots, points, degree, t)
+
+
+def curve_point(knots: Array, points: Array, weights: Array | None, degree: int, t: float) -> Array:
+    """Evaluate one parameter, (d,), in a window of one span; as `curve_points`, bit for bit."""
+    if compiled.active:
+        found = np.empty(points.shape[1])
+        compiled.core.points(knots, points, weights, degree, t, 0, False, True, found)
+        return found
+    p = degree
+    if t == knots[p] and t == knots[1]:
+        return np.array(points[0])
+    if t == knots[p + 1] and t == knots[2 * p]:
+        return np.array(points[p])
+    from scipy.interpolate import BSpline
+
+    if weights is not None and weights.tolist().count(1.0) <= p:
+        found = BSpline.construct_fast(knots, homogeneous(points, weights), p)(t)
+        return np.asarray(found[:-1] / found[-1])
+    return np.asarray(BSpline.construct_fast(knots, points, p)(t))
+
+
+def _unsettled(knots: Array, points: Array, weights: Array | None, degree: int, t: Array) -> Array:
     if weights is None:
         return evaluate(knots, points, degree, t)
     values = evaluate(knots, homogeneous(points, weights), degree, t)
     w = values[:, -1]
-    plain = polynomial_spans(weights, degree)
+    plain = _polynomial_spans(weights, degree)
     if plain is not None:
         spans = find_spans(knots, degree, t)
         w = np.where(plain[spans - degree], 1.0, w)
@@ -70,12 +126,8 @@ def window_points(
     return found
 
 
-def settled_at_corners(values: Array, knots: Array, points: Array, degree: int, t: Array) -> Array:
-    """Put the control point itself where a knot of full multiplicity stands.
-
-    The curve passes it there, but evaluating the piece to the right may be one unit in the last
-    place off, and off by another one when the next knot moves.
-    """
+def _settled_at_corners(values: Array, knots: Array, points: Array, degree: int, t: Array) -> Array:
+    """Put the control point itself where a knot of full multiplicity stands."""
     count = len(points)
     full = knots[1 : count + 1] == knots[degree : degree + count]
     if full.any():
@@ -90,7 +142,7 @@ def settled_at_corners(values: Array, knots: Array, points: Array, degree: int, 
     return values
 
 
-def window_derivative(
+def curve_derivative(
     knots: Array,
     points: Array,
     weights: Array | None,
@@ -99,7 +151,7 @@ def window_derivative(
     order: int,
     side: Side,
 ) -> Array:
-    """Differentiate a window ``order`` times at parameters (m,); (m, d).
+    """Differentiate a spline ``order`` times at parameters (m,) of one side; (m, d).
 
     Notes
     -----
@@ -109,7 +161,7 @@ def window_derivative(
     if weights is None:
         return evaluate(knots, points, degree, t, order=order, side=side)
     rows = homogeneous(points, weights)
-    plain = polynomial_spans(weights, degree)
+    plain = _polynomial_spans(weights, degree)
     is_plain = None
     if plain is not None:
         is_plain = plain[find_spans(knots, degree, t, side=side) - degree]
