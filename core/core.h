@@ -241,6 +241,8 @@ METHOD(core_find_spans);
 METHOD(core_basis_functions);
 METHOD(core_blossom);
 METHOD(core_points);
+METHOD(core_near);
+METHOD(core_nearest);
 METHOD(core_polyline_rows);
 METHOD(core_solve_window);
 METHOD(core_fit);

@@ -8,6 +8,8 @@ static PyMethodDef methods[] = {
     ENTRY(basis_functions),
     ENTRY(blossom),
     ENTRY(points),
+    ENTRY(near),
+    ENTRY(nearest),
     ENTRY(polyline_rows),
     ENTRY(solve_window),
     ENTRY(fit),

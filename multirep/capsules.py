@@ -126,6 +126,11 @@ class Pieces:
     nodes: Array
     hulls: Array | None = None
 
+    @property
+    def arrays(self) -> tuple[Array, Array, Array, Array | None]:
+        """All of them, for the core."""
+        return self.starts, self.stops, self.nodes, self.hulls
+
 
 @attrs.frozen(eq=False, slots=False)
 class Leaf:

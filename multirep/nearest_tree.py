@@ -15,6 +15,7 @@ import numpy as np
 from multirep.arrays import Array, Indices
 from multirep.capsules import FAN, Leaf, Pieces, Tree, distances
 from multirep.errors import InvariantError
+from multirep.splines import compiled
 from multirep.splines.closest import NOISE, least_on_piece, least_on_pieces, not_clear, squared
 
 __all__ = ["ACCURACY", "nearest_parameter", "nearest_parameters"]
@@ -38,6 +39,8 @@ def nearest_parameter(tree: Tree, point: Array) -> float:
     Cost: some ten numpy calls for each of three levels, and some microseconds for each piece that
     may hold the answer; of several equally near places, any.
     """
+    if compiled.active:
+        return float(_by_core(tree, point[None])[0])
     column = point[:, None]
     near: Sequence[Leaf] = tree.filled
     if len(near) > _HANDFUL:
@@ -157,11 +160,35 @@ def _least(
 
 def nearest_parameters(tree: Tree, points: Array) -> Array:
     """Return the parameters (m,) of places nearest to ``points``, (m, d); some 5 us each."""
+    if compiled.active and len(points):
+        return _by_core(tree, points)
     found = np.empty(len(points))
     columns = np.ascontiguousarray(points.T)
     for start in range(0, len(points), _TOGETHER):
         part = slice(start, start + _TOGETHER)
         found[part] = _nearest_together(tree, columns[:, part])
+    return found
+
+
+def _by_core(tree: Tree, points: Array) -> Array:
+    """Do the same in the core, point by point: which leaves, then which place of their pieces."""
+    leaves, count = tree.filled, len(points)
+    if len(leaves) == 1:
+        firsts, which = np.arange(count + 1), np.zeros(count, dtype=np.intp)
+    else:
+        crowns = tree.crowns if len(leaves) > FAN * FAN // 4 else None
+        firsts, which = (
+            np.frombuffer(row, dtype=np.intp)
+            for row in compiled.core.near(tree.tops, crowns, FAN, points)
+        )
+        if count == 1:
+            used, which = which, np.arange(len(which))
+        else:
+            used, which = np.unique(which, return_inverse=True)
+        leaves = tuple(leaves[k] for k in used.tolist())
+    found = np.empty(count)
+    pieces = tuple(leaf.pieces.arrays for leaf in leaves)
+    compiled.core.nearest(pieces, points, _slack(tree, points.T), firsts, which, found)
     return found
 
 

@@ -18,6 +18,18 @@ def points(
     found: Array,
     /,
 ) -> None: ...
+def near(
+    tops: Array, crowns: Array | None, fan: int, points: Array, /
+) -> tuple[bytearray, bytearray]: ...
+def nearest(
+    leaves: tuple[tuple[Array, Array, Array, Array | None], ...],
+    points: Array,
+    slacks: Array,
+    firsts: IntArray,
+    which: IntArray,
+    found: Array,
+    /,
+) -> None: ...
 def blossom(
     knots: Array,
     coefficients: Array,
