@@ -241,6 +241,7 @@ METHOD(core_find_spans);
 METHOD(core_basis_functions);
 METHOD(core_blossom);
 METHOD(core_points);
+METHOD(core_capsule);
 METHOD(core_near);
 METHOD(core_nearest);
 METHOD(core_polyline_rows);

@@ -8,6 +8,7 @@ static PyMethodDef methods[] = {
     ENTRY(basis_functions),
     ENTRY(blossom),
     ENTRY(points),
+    ENTRY(capsule),
     ENTRY(near),
     ENTRY(nearest),
     ENTRY(polyline_rows),

@@ -41,6 +41,46 @@ static inline double radius_of(const Nodes *nodes, Index k)
     return nodes->at[(2 * nodes->dimension + 1) * nodes->count + k];
 }
 
+METHOD(core_capsule)
+{
+    /* points (k, d), both ends (2, d) of a stretch in their hull, what rounding may be as a part of
+    the largest coordinate, the capsule found (2 d + 2,) */
+    Call call;
+    begin(&call, count, 4);
+    if (call.failed)
+        return finish(&call, NULL);
+    Table points = reals(&call, values[0]), ends = reals(&call, values[1]);
+    double part = real(&call, values[2]), square = 0.0, far = 0.0, largest = 0.0;
+    Table found = output(&call, values[3]);
+    Index d = points.columns;
+    expect(&call, ends.rows == 2 && ends.columns == d && found.rows * found.columns == 2 * d + 2,
+           "two ends and room for a capsule are wanted");
+    if (call.failed)
+        return finish(&call, NULL);
+    Nodes capsule = {found.at, 1, d};
+    double *chord = found.at + d, *inverse = chord + d, *radius = inverse + 1;
+    *radius = 0.0;
+    for (Index c = 0; c < d; c++) {
+        found.at[c] = ends.at[c];
+        chord[c] = ends.at[d + c] - ends.at[c];
+        square += chord[c] * chord[c];
+    }
+    *inverse = 1.0 / square;
+    if (!isfinite(*inverse)) { /* so short that it is the point where it starts */
+        *inverse = 0.0;
+        for (Index c = 0; c < d; c++)
+            *radius += fabs(chord[c]);
+    }
+    for (Index r = 0; r < points.rows; r++) {
+        double u, away = distance_of(&capsule, 0, points.at + r * d, &u);
+        far = larger(far, away);
+        for (Index c = 0; c < d; c++)
+            largest = larger(largest, fabs(points.at[r * d + c]));
+    }
+    *radius += far + part * largest;
+    return finish(&call, Py_NewRef(Py_None));
+}
+
 /* -- which leaves ------------------------------------------------------------------------------ */
 
 typedef struct {

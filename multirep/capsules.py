@@ -22,9 +22,13 @@ import numpy as np
 
 from multirep.arrays import Array, Indices
 from multirep.blocks import BlockArray
+from multirep.splines import compiled
 
-__all__ = ["FAN", "Known", "Leaf", "Pieces", "Tree", "capsule_around", "capsules"]
+__all__ = ["ACCURACY", "FAN", "Known", "Leaf", "Pieces", "Tree", "capsule_around", "capsules"]
 
+#: The nearest place that is found is within this part of the curve's size of the true distance (or
+#: as near as rounding lets it).
+ACCURACY = 1e-10
 #: How many capsules one of the next level holds.
 FAN = 16
 #: Rounding of coordinates, chords and radii, in units in the last place of the coordinates.
@@ -99,6 +103,10 @@ def capsule_around(points: Array, start: Array, stop: Array) -> Array:
     start, stop : (d,) arrays
         The ends of the stretch.
     """
+    if compiled.active:
+        around = np.empty((2 * len(start) + 2, 1))
+        compiled.core.capsule(points.T, np.array((start, stop)), _ULPS * _EPS, around)
+        return around
     around = capsules(start[:, None], stop[:, None], 0.0)
     # The distance to a chord is convex: in the hull of points it is largest at one of them.
     around[-1] += distances(around, points)[1].max()

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from multirep.arrays import Array, ArrayLike
+from multirep.capsules import ACCURACY
 from multirep.errors import InvalidCurveError, ToleranceError
 from multirep.interval import Interval
 from multirep.splices import SpliceList
@@ -22,9 +23,6 @@ if TYPE_CHECKING:
 FIRST_TOLERANCE = 1e-2
 #: Each round tightens the tolerance by this factor; sampling counts grow with its root.
 TIGHTENING = 1 / 64
-#: The answer is within this part of the curve's size of the true distance (or as near as rounding
-#: lets it).
-ACCURACY = 1e-10
 
 
 def nearest_in_tree(curve: Representation, tree: Callable[[], Tree], point: ArrayLike) -> Nearest:
@@ -82,9 +80,7 @@ def _checked(curve: Representation, point: ArrayLike) -> Array:
     return points
 
 
-def nearest_by_sampling(
-    curve: Representation, point: Array, *, candidates: SpliceList | None = None
-) -> Nearest:
+def nearest_by_sampling(curve: Representation, point: Array) -> Nearest:
     """Find the place of ``curve`` nearest to ``point``.
 
     Samples with a certified bound s, discards the chords that are farther than the nearest one by
@@ -95,8 +91,6 @@ def nearest_by_sampling(
     ----------
     curve : Representation
     point : (d,) array
-    candidates : SpliceList, optional
-        Where the nearest place is known to be. Default: anywhere in T.
 
     Returns
     -------
@@ -114,8 +108,7 @@ def nearest_by_sampling(
     _checked(curve, point)
     size = max(curve.magnitude, float(np.abs(point).max()), np.finfo(float).tiny)
     tolerance = FIRST_TOLERANCE * size
-    if candidates is None:
-        candidates = SpliceList([curve.domain])
+    candidates = SpliceList([curve.domain])
     found_t: float | None = None
     while True:
         starts, stops, distances, bound = [], [], [], 0.0

@@ -13,16 +13,15 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from multirep.arrays import Array, Indices
-from multirep.capsules import FAN, Leaf, Pieces, Tree, distances
+from multirep.capsules import ACCURACY, FAN, Leaf, Pieces, Tree, distances
 from multirep.errors import InvariantError
 from multirep.splines import compiled
 from multirep.splines.closest import NOISE, least_on_piece, least_on_pieces, not_clear, squared
 
-__all__ = ["ACCURACY", "nearest_parameter", "nearest_parameters"]
+__all__ = ["nearest_parameter", "nearest_parameters"]
 
-#: An answer is no farther than the true one plus this part of the curve's size ...
-ACCURACY = 1e-10
-#: ... plus so many units in the last place of the coordinates.
+#: An answer is no farther than the true one plus `ACCURACY` and so many units in the last place of
+#: the coordinates.
 _ULPS = 64
 #: So many points are looked at together: more do not stay in the cache.
 _TOGETHER = 256

@@ -10,8 +10,8 @@ import numpy as np
 from multirep.arrays import Array, Flags, Indices
 from multirep.blocks import BLOCK_ROWS, BlockArray
 from multirep.capsules import Known, Leaf, Pieces, Tree, capsule_around, capsules
-from multirep.splines.evaluation import evaluate
 from multirep.splines.polar import bernstein
+from multirep.splines.rational import curve_points, homogeneous
 
 __all__ = ["changed_spans", "spline_leaf", "spline_pieces", "spline_tree"]
 
@@ -57,10 +57,8 @@ def spline_tree(
         window, rows = knots.window(first, stop + 2 * p + 1), points.window(first, stop + p)
         if parameters is not None:
             window = parameters(window)
-        if weights is not None:
-            w = weights.window(first, stop + p)[:, None]
-            rows = np.concatenate((rows * w, w), axis=1)
-        return spline_leaf(window, rows, p, known.size, rational=weights is not None)
+        own = None if weights is None else weights.window(first, stop + p)
+        return spline_leaf(window, rows, p, known.size, weights=own)
 
     tree: Tree | None = None
     if len(known.arrays) == len(arrays) and known.degree == p:
@@ -127,36 +125,41 @@ def _change(mine: BlockArray, theirs: BlockArray) -> tuple[int, int] | None:
 
 
 def spline_leaf(
-    knots: Array, coefficients: Array, degree: int, size: float, *, rational: bool = False
+    knots: Array, points: Array, degree: int, size: float, *, weights: Array | None = None
 ) -> Leaf:
     """Put a capsule around a window of a spline; its pieces are made when they are looked at.
 
     Parameters
     ----------
     knots : (n + degree + 1,) array
-    coefficients : (n, d) array, or (n, d + 1) if rational
-        Homogeneous control points; weights are positive.
+    points : (n, d) array
+        Control points.
     degree : int
     size : float
         Of the curve; decides how finely spans are cut.
-    rational : bool, keyword-only
+    weights : (n,) array, keyword-only, optional
+        Positive.
 
     Returns
     -------
     Leaf
         Of n - p spans, empty ones included.
     """
-    count = len(coefficients)
-    ends = knots[[degree, count]]
+    count = len(points)
+    ends = knots[degree : count + 1 : count - degree]
     whole = None
     if ends[0] < ends[1]:
-        points = coefficients
-        there = evaluate(knots, coefficients, degree, ends)
-        if rational:
-            points, there = points[:, :-1] / points[:, -1:], there[:, :-1] / there[:, -1:]
-        whole = capsule_around(points.T, there[0], there[1])
-    make = partial(spline_pieces, knots, coefficients, degree, size, rational)
+        start, stop = curve_points(knots, points, weights, degree, ends)
+        whole = capsule_around(points.T, start, stop)
+    make = partial(_window_pieces, knots, points, weights, degree, size)
     return Leaf(count - degree, whole, make)
+
+
+def _window_pieces(
+    knots: Array, points: Array, weights: Array | None, degree: int, size: float
+) -> Pieces:
+    rows = points if weights is None else homogeneous(points, weights)
+    return spline_pieces(knots, rows, degree, size, weights is not None)
 
 
 def spline_pieces(
