@@ -274,8 +274,8 @@ static void read_points(Reader *reader, const Wanted *wanted, Index count, doubl
 
 /* -- parameters in no order -------------------------------------------------------------------- */
 
-/* So few are taken as they come; so many are put in order at once, which stay in the cache. */
-enum { FEW = 64, TOGETHER = 1 << 17, A_BUCKET = 4 };
+/* So few are taken as they come; so many are put in order at once, in room of 8 MiB. */
+enum { FEW = 64, TOGETHER = 1 << 19, A_BUCKET = 4 };
 
 static int in_order(const double *t, Index count)
 {
