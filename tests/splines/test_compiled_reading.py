@@ -99,6 +99,21 @@ def test_one_point_has_the_same_bits(spline: Spline, seed: int) -> None:
         assert np.array_equal(fast, pure)
 
 
+@pytest.mark.parametrize("weights", [None, np.array([3.0, 7, 11, 0.3, 0.7])])
+def test_corners_and_ends_are_their_control_points(weights: Array | None) -> None:
+    """Though 49 * (1 / 49) is less than 1, as the basis function there would be."""
+    knots = np.array([0, 0, 0, 49, 49, 98, 98, 98.0])
+    points = np.random.default_rng(1).normal(size=(5, 2))
+    assert 49 * (1 / 49) < 1
+    for found in both(lambda: curve_points(knots, points, weights, 2, np.array([0.0, 49, 98]))):
+        assert same(found, points[::2])
+    own = None if weights is None else weights[2:]
+    for found in both(lambda: curve_point(knots[2:], points[2:], own, 2, 49.0)):
+        assert same(found, points[2])
+    for found in both(lambda: curve_point(knots[2:], points[2:], own, 2, 98.0)):
+        assert same(found, points[4])
+
+
 def test_many_points_in_no_order_have_the_bits_of_those_in_order() -> None:
     """More than are put in order at once, clustered ones too."""
     rng = np.random.default_rng(5)
