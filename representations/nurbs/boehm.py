@@ -16,10 +16,10 @@ import numpy as np
 from multirep.arrays import Array
 from multirep.interval import Interval
 from multirep.representations.nurbs.changes import merged
-from multirep.splines.rational import homogeneous
 from multirep.splices import SpliceList
 from multirep.splines import compiled
 from multirep.splines.polar import blossom, inner_knots
+from multirep.splines.rational import homogeneous
 
 
 class Refined(NamedTuple):
