@@ -50,6 +50,10 @@ Index walked(const Spline *spline, Index span, double t)
 /* The p + 1 basis functions that do not vanish on a span, given its local knots. */
 void basis_values(const double *local, Index degree, double t, double *values)
 {
+    if (degree == 3) {
+        cubic_values(local, t, values);
+        return;
+    }
     values[0] = 1.0;
     for (Index step = 1; step <= degree; step++) {
         double carried = 0.0;

@@ -149,6 +149,23 @@ static inline const double *local_rows(const Spline *spline, Index span)
     return spline->coefficients + (span - spline->degree) * spline->dimension;
 }
 void basis_values(const double *local, Index degree, double t, double *values);
+/* The same for a cubic, written out: the same operations. */
+static inline void cubic_values(const double *u, double t, double *values)
+{
+    double after = u[3] - t, since = t - u[2], share = 1.0 / (u[3] - u[2]);
+    double a = after * share, b = since * share;
+    double one = a / (u[3] - u[1]), two = b / (u[4] - u[2]);
+    a = after * one;
+    b = (t - u[1]) * one + (u[4] - t) * two;
+    double c = since * two;
+    one = a / (u[3] - u[0]);
+    two = b / (u[4] - u[1]);
+    double three = c / (u[5] - u[2]);
+    values[0] = after * one;
+    values[1] = (t - u[0]) * one + (u[4] - t) * two;
+    values[2] = (t - u[1]) * two + (u[5] - t) * three;
+    values[3] = since * three;
+}
 void blossom_step(const double *local, Index degree, Index dimension, double argument, Index step,
                   double *rows);
 void evaluate_piece(const Spline *spline, Index span, double t, double *rows);

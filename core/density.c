@@ -54,24 +54,39 @@ static double bending(const Spline *spline, int rational, Index span, double t, 
     return sqrt(sum);
 }
 
-/* Cells that a span is cut into. */
+/* Whether S'' is linear or constant on a span, and so known from `second_derivatives`. */
+static int bends_linearly(const Spline *spline, int rational)
+{
+    return !rational && (spline->degree == 2 || spline->degree == 3);
+}
+
+/* Cells that a span is cut into; fills in S'' at its ends where that is all there is to know. */
 static double cells_of(const Spline *spline, int rational, Index span, double low, double width,
                        double target, double *rows, double *second)
 {
     Index d = spline->dimension;
     double bent = 0.0;
-    if (rational || spline->degree > 3)
+    if (bends_linearly(spline, rational)) {
+        second_derivatives(spline, span, second); /* largest at an end */
+        bent = sqrt(larger(squared_norm(second, d), squared_norm(second + d, d)));
+    } else if (spline->degree > 1 || rational)
         for (Index look = 0; look < LOOKS; look++) {
             double at = low + width * (((double)look + 0.5) / LOOKS);
             bent = larger(bending(spline, rational, span, at, rows), bent);
         }
-    else if (spline->degree > 1) {
-        /* S'' is linear or constant on a span, so largest at an end. */
-        second_derivatives(spline, span, second);
-        bent = sqrt(larger(squared_norm(second, d), squared_norm(second + d, d)));
-    }
     double cells = ceil(width * sqrt(bent * (CELLS_PER_CHORD * CELLS_PER_CHORD / (8 * target))));
     return cells >= FEWEST_CELLS ? smaller(cells, MOST_CELLS) : FEWEST_CELLS;
+}
+
+/* ||S''|| at a part of a span, from S'' at both ends of it. */
+static double blended(const double *second, Index d, double share)
+{
+    double sum = 0.0;
+    for (Index c = 0; c < d; c++) {
+        double bend = second[c] + share * (second[c + d] - second[c]);
+        sum += bend * bend;
+    }
+    return sqrt(sum);
 }
 
 static Density empty_density(Call *call, Index cells)
@@ -92,31 +107,36 @@ Density density_of(Call *call, const Spline *spline, int rational, double start,
                    double target)
 {
     Index p = spline->degree, d = spline->dimension;
-    double *rows = scratch(call, (p + 1) * d), *second = scratch(call, 2 * d);
+    double *rows = scratch(call, (p + 1) * d);
     Index first = call->failed ? 0 : span_of(spline, start), last = first;
     while (!call->failed && last < spline->last && spline->knots[last + 1] < stop)
         last++;
     double *parts = scratch(call, last - first + 1);
+    double *seconds = scratch(call, (last - first + 1) * 2 * d);
     Index total = 0;
     for (Index span = first; !call->failed && span <= last; span++) {
         double low = span == first ? start : spline->knots[span];
-        double width = (span == last ? stop : spline->knots[span + 1]) - low;
-        double cells = 0.0;
+        double width = (span == last ? stop : spline->knots[span + 1]) - low, cells = 0.0;
         if (width > 0.0)
-            cells = cells_of(spline, rational, span, low, width, target, rows, second);
+            cells = cells_of(spline, rational, span, low, width, target, rows,
+                             seconds + (span - first) * 2 * d);
         parts[span - first] = cells;
         total += (Index)cells;
     }
     Density density = empty_density(call, total);
     Index node = 0;
+    int linear = bends_linearly(spline, rational);
     for (Index span = first; !call->failed && span <= last; span++) {
-        double low = span == first ? start : spline->knots[span];
-        double whole = (span == last ? stop : spline->knots[span + 1]) - low;
+        const double *knots = spline->knots + span;
+        double low = span == first ? start : knots[0];
+        double whole = (span == last ? stop : knots[1]) - low;
         Index cells = (Index)parts[span - first];
         double width = cells ? whole / (double)cells : 0.0;
         for (Index cell = 0; cell < cells; cell++, node++) {
-            double at = density.nodes[node] = low + (double)cell * width;
-            double bent = bending(spline, rational, span, at + width / 2, rows);
+            double at = density.nodes[node] = low + (double)cell * width, middle = at + width / 2;
+            double bent = linear ? blended(seconds + (span - first) * 2 * d, d,
+                                           (middle - knots[0]) / (knots[1] - knots[0]))
+                                 : bending(spline, rational, span, middle, rows);
             /* Never quite zero, so that the density can be inverted where the curve is straight. */
             density.shares[node] = sqrt(bent / (8 * target)) * width + 1e-6 * (width / (stop - start));
         }
@@ -165,21 +185,21 @@ Density corrected_density(Call *call, Density *density, Index chords, const doub
     Index *chord_of = index_scratch(call, all);
     if (call->failed)
         return finer;
-    for (Index r = 0, i = 0, j = 0; r < all; r++)
-        finer.nodes[r] = j == chords + 1 || (i < nodes && density->nodes[i] <= t[j])
-                             ? density->nodes[i++]
-                             : t[j++];
     for (Index chord = 0; chord < chords; chord++)
         totals[chord] = 0.0;
-    double before = sum_at(density, finer.nodes[0]);
-    for (Index r = 0, chord = 0; r + 1 < all; r++) {
-        double after = sum_at(density, finer.nodes[r + 1]);
-        while (chord + 1 < chords && t[chord + 1] <= finer.nodes[r])
-            chord++;
-        finer.shares[r] = after - before;
+    double before = 0.0;
+    for (Index r = 0, i = 0, j = 0, chord = 0; r < all; r++) {
+        int is_node = j == chords + 1 || (i < nodes && density->nodes[i] <= t[j]);
+        double after = is_node ? density->sums[i] : sum_at(density, t[j]);
+        finer.nodes[r] = is_node ? density->nodes[i++] : t[j++];
+        if (r > 0) {
+            while (chord + 1 < chords && t[chord + 1] <= finer.nodes[r - 1])
+                chord++;
+            finer.shares[r - 1] = after - before;
+            chord_of[r - 1] = chord;
+            totals[chord] += after - before;
+        }
         before = after;
-        chord_of[r] = chord;
-        totals[chord] += finer.shares[r];
     }
     for (Index r = 0; r + 1 < all; r++) {
         double total = totals[chord_of[r]];

@@ -169,24 +169,6 @@ static void enter(Reader *reader, Index span)
 
 /* -- basis functions --------------------------------------------------------------------------- */
 
-/* Those of basis.c, written out for a cubic: the same operations. */
-static inline void cubic_values(const double *u, double t, double *values)
-{
-    double after = u[3] - t, since = t - u[2], share = 1.0 / (u[3] - u[2]);
-    double a = after * share, b = since * share;
-    double one = a / (u[3] - u[1]), two = b / (u[4] - u[2]);
-    a = after * one;
-    b = (t - u[1]) * one + (u[4] - t) * two;
-    double c = since * two;
-    one = a / (u[3] - u[0]);
-    two = b / (u[4] - u[1]);
-    double three = c / (u[5] - u[2]);
-    values[0] = after * one;
-    values[1] = (t - u[0]) * one + (u[4] - t) * two;
-    values[2] = (t - u[1]) * two + (u[5] - t) * three;
-    values[3] = since * three;
-}
-
 /* The same, of which the last `order` steps differentiate instead of blending. */
 static void basis_derivatives(const double *local, Index degree, double t, Index order,
                               double *values)

@@ -109,6 +109,33 @@ static void tabulate(const Spline *spline, const System *system, double *basis, 
     }
 }
 
+/* Add a row to the normal equations of `size` neighbouring unknowns. */
+static inline void add_row(const double *values, const double *wanted, double weight, Index size,
+                           Index d, Index stride, double *entries, double *sums)
+{
+    for (Index j = 0; j < size; j++) {
+        double weighted = values[j] * weight;
+        for (Index k = j; k < size; k++)
+            entries[j * stride + k - j] += weighted * values[k];
+        for (Index c = 0; c < d; c++)
+            sums[j * d + c] += weighted * wanted[c];
+    }
+}
+
+/* How far a row is from what the control points of its span give. */
+static inline double off_row(const double *values, const double *rows, const double *target,
+                             Index size, Index d)
+{
+    double square = 0.0;
+    for (Index c = 0; c < d; c++) {
+        double there = 0.0;
+        for (Index j = 0; j < size; j++)
+            there += values[j] * rows[j * d + c];
+        square += (there - target[c]) * (there - target[c]);
+    }
+    return sqrt(square);
+}
+
 /* Normal equations about a local origin; `solved` (n, D) holds the given control points and gets
 the free ones. Returns 0 if the rows do not determine them. */
 static int solved_system(Call *call, const Spline *spline, const System *system,
@@ -130,22 +157,24 @@ static int solved_system(Call *call, const Spline *spline, const System *system,
         Index first = spans[r] - p;
         for (Index c = 0; c < d; c++)
             wanted[c] = target[c] - origin[c];
-        if (first < system->free || first + p >= system->stop)
-            for (Index j = 0; j < size; j++)
-                if (first + j < system->free || first + j >= system->stop)
-                    for (Index c = 0; c < d; c++)
-                        wanted[c] -= values[j] * (solved[(first + j) * d + c] - origin[c]);
-        for (Index j = 0; j < size; j++) {
-            Index unknown = first + j - system->free;
-            if (unknown < 0 || unknown >= unknowns)
-                continue;
-            double weighted = values[j] * system->weights[r];
-            double *entries = band + unknown * size, *sums = right + unknown * d;
-            for (Index k = j; k < size; k++)
-                entries[k - j] += weighted * values[k];
-            for (Index c = 0; c < d; c++)
-                sums[c] += weighted * wanted[c];
+        if (first >= system->free && first + p < system->stop) {
+            double *entries = band + (first - system->free) * size;
+            double *sums = right + (first - system->free) * d;
+            if (p == 3 && d == 2)
+                add_row(values, wanted, system->weights[r], 4, 2, 4, entries, sums);
+            else
+                add_row(values, wanted, system->weights[r], size, d, size, entries, sums);
+            continue;
         }
+        for (Index j = 0; j < size; j++)
+            if (first + j < system->free || first + j >= system->stop)
+                for (Index c = 0; c < d; c++)
+                    wanted[c] -= values[j] * (solved[(first + j) * d + c] - origin[c]);
+        Index low = at_least(system->free - first, 0), high = at_most(system->stop - first, size);
+        if (low < high)
+            add_row(values + low, wanted, system->weights[r], high - low, d, size,
+                    band + (first + low - system->free) * size,
+                    right + (first + low - system->free) * d);
     }
     if (!solve_banded(band, right, unknowns, p, d, SMALLEST_PIVOT))
         return 0;
@@ -295,15 +324,10 @@ METHOD(core_fit)
     if (!solved_system(&call, &spline, &system, basis, spans, solved.at))
         return finish(&call, PyLong_FromSsize_t(-1));
     for (Index r = 0; r < found; r++) {
-        double square = 0.0;
-        for (Index c = 0; c < d; c++) {
-            double there = 0.0;
-            for (Index j = 0; j <= p; j++)
-                there += basis[r * (p + 1) + j] * solved.at[(spans[r] - p + j) * d + c];
-            double off = there - targets[r * d + c];
-            square += off * off;
-        }
-        ratios.at[r] = sqrt(square) / (allowance.at ? allowed[r] : tightest);
+        const double *values = basis + r * (p + 1), *held = solved.at + (spans[r] - p) * d;
+        double off = p == 3 && d == 2 ? off_row(values, held, targets + r * 2, 4, 2)
+                                      : off_row(values, held, targets + r * d, p + 1, d);
+        ratios.at[r] = off / (allowance.at ? allowed[r] : tightest);
     }
     for (Index k = 0; k < s; k++) {
         worst.at[k] = 0.0;
