@@ -286,6 +286,7 @@ METHOD(core_refine_uniform);
 METHOD(core_add_details);
 METHOD(core_analyse);
 METHOD(core_plus);
+METHOD(core_spread);
 METHOD(core_farthest);
 METHOD(core_insert_knots);
 

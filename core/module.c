@@ -36,6 +36,7 @@ static PyMethodDef methods[] = {
     ENTRY(add_details),
     ENTRY(analyse),
     ENTRY(plus),
+    ENTRY(spread),
     ENTRY(farthest),
     ENTRY(insert_knots),
     {NULL, NULL, 0, NULL},

@@ -1,7 +1,45 @@
-/* How far the vertices of a polyline are from the chords that are to stand for them. */
+/* Which vertices of a polyline are to stand for all, and how far the others are from their chords;
+see multirep.splines.simplification. */
 #include "core.h"
 
 #include <math.h>
+
+METHOD(core_spread)
+{
+    /* t (m + 1,), points (m + 1, d), limits of inner vertices (m - 1,); returns the vertices, from 0
+    to m, whose chords have about the allowed sagitta, as bytes */
+    Call call;
+    begin(&call, count, 3);
+    if (call.failed)
+        return finish(&call, NULL);
+    Table t = reals(&call, values[0]), points = reals(&call, values[1]);
+    Table limits = reals(&call, values[2]);
+    Index m = t.rows - 1, d = points.columns, found = 1;
+    expect(&call,
+           m >= 1 && t.columns == 1 && points.rows == m + 1 && limits.rows == m - 1,
+           "each vertex needs a parameter, each inner one a limit");
+    Index *chosen = index_scratch(&call, m + 1);
+    if (call.failed)
+        return finish(&call, NULL);
+    chosen[0] = 0;
+    double sum = 0.0;
+    for (Index i = 1; i < m; i++) {
+        const double *row = points.at + i * d;
+        double before = t.at[i] - t.at[i - 1], after = t.at[i + 1] - t.at[i], square = 0.0;
+        for (Index c = 0; c < d; c++) {
+            double kink = (row[c + d] - row[c]) / after - (row[c] - row[c - d]) / before;
+            square += kink * kink;
+        }
+        /* Each vertex stands for a kink J over the mean h of its two steps: h sqrt(J / h / (8 limit)). */
+        double share = sqrt(sqrt(square) * (after + before) / (16 * limits.at[i - 1]));
+        double next = sum + smaller(share, 1.0);
+        if (floor(next) > floor(sum))
+            chosen[found++] = i;
+        sum = next;
+    }
+    chosen[found++] = m;
+    return finish(&call, bytes_of(chosen, found * (Index)sizeof(Index)));
+}
 
 METHOD(core_farthest)
 {

@@ -214,6 +214,7 @@ def plus(
     points: Array,
     /,
 ) -> None: ...
+def spread(t: Array, points: Array, limits: Array, /) -> bytearray: ...
 def farthest(
     t: Array,
     points: Array,

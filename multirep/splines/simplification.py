@@ -70,6 +70,8 @@ def simplified(t: Array, points: Array, limit: Array) -> tuple[IntArray, Array]:
 
 def _laid_out(t: Array, points: Array, limit: Array) -> IntArray:
     """Spread vertices so that each chord has about the allowed sagitta."""
+    if compiled.active:
+        return np.frombuffer(compiled.core.spread(t, points, limit), dtype=np.intp)
     steps = np.diff(t)
     slopes = np.diff(points, axis=0) / steps[:, None]
     kinks = np.diff(slopes, axis=0)

@@ -696,6 +696,8 @@ def test_what_does_not_fit_is_refused() -> None:
         chords = np.empty(len(kept) - 1), np.empty(len(kept) - 1, dtype=np.intp)
         with pytest.raises(ValueError, match=message):
             call.farthest(knots + np.arange(6), np.zeros((6, 2)), None, np.array(kept), *chords)
+    with pytest.raises(ValueError, match="each inner one a limit"):
+        call.spread(knots, np.zeros((6, 2)), knots)
     with pytest.raises(ValueError, match="two vertices"):
         call.polyline_rows(knots, 2, t, points[:1], 3, np.empty(9), points, t)
     with pytest.raises(ValueError, match="become 2 m \\+ 3"):
