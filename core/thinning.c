@@ -19,23 +19,28 @@ METHOD(core_spread)
            m >= 1 && t.columns == 1 && points.rows == m + 1 && limits.rows == m - 1,
            "each vertex needs a parameter, each inner one a limit");
     Index *chosen = index_scratch(&call, m + 1);
+    double *slope = scratch(&call, d);
     if (call.failed)
         return finish(&call, NULL);
     chosen[0] = 0;
-    double sum = 0.0;
+    double sum = 0.0, next_whole = 1.0, before = t.at[1] - t.at[0];
+    for (Index c = 0; c < d; c++)
+        slope[c] = (points.at[c + d] - points.at[c]) / before;
     for (Index i = 1; i < m; i++) {
         const double *row = points.at + i * d;
-        double before = t.at[i] - t.at[i - 1], after = t.at[i + 1] - t.at[i], square = 0.0;
+        double after = t.at[i + 1] - t.at[i], square = 0.0;
         for (Index c = 0; c < d; c++) {
-            double kink = (row[c + d] - row[c]) / after - (row[c] - row[c - d]) / before;
+            double next = (row[c + d] - row[c]) / after, kink = next - slope[c];
             square += kink * kink;
+            slope[c] = next;
         }
         /* Each vertex stands for a kink J over the mean h of its two steps: h sqrt(J / h / (8 limit)). */
-        double share = sqrt(sqrt(square) * (after + before) / (16 * limits.at[i - 1]));
-        double next = sum + smaller(share, 1.0);
-        if (floor(next) > floor(sum))
+        sum += smaller(sqrt(sqrt(square) * (after + before) / (16 * limits.at[i - 1])), 1.0);
+        before = after;
+        if (sum >= next_whole) {
             chosen[found++] = i;
-        sum = next;
+            next_whole = floor(sum) + 1.0;
+        }
     }
     chosen[found++] = m;
     return finish(&call, bytes_of(chosen, found * (Index)sizeof(Index)));

@@ -88,11 +88,10 @@ def composed_in_pieces(
 
 
 def controls_on(state: State, interval: Interval) -> int:
-    """About how many controls the authors have on an interval, were they evenly spread."""
-    authors, (start, stop) = state.authors, interval
-    names = authors.names if len(authors.names) == 1 else {n for _, n in authors.segments(interval)}
-    share = (stop - start) / authors.domain.length
-    return math.ceil(share * sum(state.author_value(name).size for name in names))
+    """About how many controls the authors have on an interval, were those of each evenly spread."""
+    stretches = state.authors.segments(interval)
+    controls = sum([state.author_value(name).size * stretch.length for stretch, name in stretches])
+    return math.ceil(controls / state.authors.domain.length)
 
 
 def _thinned_inside(
