@@ -74,8 +74,8 @@ def asking(curve: Representation, points: Array) -> Callable[[int], object]:
 
 
 def asking_all(curve: Representation, points: Array) -> Callable[[int], object]:
-    """Return all queries."""
-    return lambda k: [curve.nearest(point) for point in points]
+    """Return all queries at once."""
+    return lambda k: curve.nearest(points)
 
 
 def by_splinepy(module: Any, case: Case, points: Array) -> Callable[[int], object]:
