@@ -61,7 +61,12 @@ class Stopwatch:
         return count >= MOST or (count >= enough and self._spent >= self.budget)
 
     def take(self) -> None:
-        """Take one sample."""
+        """Take one sample; of short steps the first one does not count.
+
+        It would pay for the caches that a long step of another contestant has filled.
+        """
+        if self._repeats > 1:
+            self._sample(1)
         seconds = self._sample(self._repeats)
         self.samples.append(seconds)
         self._spent += seconds * self._repeats

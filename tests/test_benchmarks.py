@@ -207,6 +207,22 @@ def test_short_steps_are_repeated_and_long_ones_not() -> None:
         assert watch.samples == pytest.approx([seconds] * samples)
 
 
+def test_the_first_of_short_steps_does_not_count() -> None:
+    """It pays for the caches that another contestant has filled."""
+    now, cold = 0.0, False
+
+    def step(k: int) -> None:
+        nonlocal now, cold
+        now += 0.25 if cold else 2.0**-11
+        cold = False
+
+    watch = Stopwatch(Timed("x", step, clock=lambda: now), budget=0.5)
+    watch.warm_up()
+    cold = True
+    watch.take()
+    assert watch.samples == [2.0**-11]
+
+
 def test_the_small_size_takes_turns_with_the_large_one() -> None:
     """So that growth is a ratio of one moment: 3 s : 1 s, whatever the small case said before."""
     now = [0.0]
