@@ -272,7 +272,6 @@ METHOD(core_predict);
 METHOD(core_departure);
 METHOD(core_halves);
 METHOD(core_largest);
-METHOD(core_cells);
 METHOD(core_course);
 METHOD(core_target);
 METHOD(core_between_common);

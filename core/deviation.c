@@ -235,17 +235,17 @@ void prove_chords(Proof *proof, const Chords *chords, const double *limits, Inde
 METHOD(core_chord_bounds)
 {
     /* knots, coefficients, degree, rational, starts, stops, points where chords start, points where
-    they stop, inscribed, splits, allowance (0,) or (1,) or (m,), bounds */
+    they stop, splits, allowance (0,) or (1,) or (m,), bounds */
     Call call;
-    begin(&call, count, 12);
+    begin(&call, count, 11);
     if (call.failed)
         return finish(&call, NULL);
-    int rational, inscribed = integer(&call, values[8]) != 0;
+    int rational;
     Spline spline = perhaps_rational(&call, values, &rational);
     Table starts = reals(&call, values[4]), stops = reals(&call, values[5]);
     Table ends[2] = {reals(&call, values[6]), reals(&call, values[7])};
-    Proof proof = proof_of(&call, spline, rational, integer(&call, values[9]));
-    Table allowance = reals(&call, values[10]), bounds = output(&call, values[11]);
+    Proof proof = proof_of(&call, spline, rational, integer(&call, values[8]));
+    Table allowance = reals(&call, values[9]), bounds = output(&call, values[10]);
     Index d = proof.d, m = starts.rows;
     expect(&call,
            stops.rows == m && ends[0].rows == m && ends[1].rows == m && bounds.rows == m &&
@@ -253,7 +253,7 @@ METHOD(core_chord_bounds)
            "each chord needs two parameters and two points");
     expect(&call, allowance.rows <= 1 || allowance.rows == m, "each chord needs an allowance");
     if (!call.failed && m > 0) {
-        Chords chords = {m, starts.at, stops.at, ends[0].at, ends[1].at, inscribed};
+        Chords chords = {m, starts.at, stops.at, ends[0].at, ends[1].at, 0};
         proof.unit = rounding_unit(&spline, rational, starts.at[0], stops.at[m - 1], ends, 2);
         prove_chords(&proof, &chords, allowance.at, allowance.rows, bounds.at);
     }

@@ -22,7 +22,6 @@ static PyMethodDef methods[] = {
     ENTRY(departure),
     ENTRY(halves),
     ENTRY(largest),
-    ENTRY(cells),
     ENTRY(course),
     ENTRY(target),
     ENTRY(between_common),

@@ -54,8 +54,8 @@ class SplineCurve(Representation):
     def __call__(self, t: ArrayLike) -> Array:
         """Points at parameters: scalar -> (d,), (m,) -> (m, d).
 
-        Cost: some microseconds for one parameter whatever n; in bulk about a third of scipy's time
-        with the compiled core, and scipy's without.
+        Cost: some microseconds for one parameter whatever n; in bulk, with the compiled core, a
+        third of scipy's time or, where it must fetch a span for each parameter, about all of it.
 
         Raises
         ------

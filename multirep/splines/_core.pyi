@@ -95,7 +95,6 @@ def chord_bounds(
     stops: Array,
     low: Array,
     high: Array,
-    inscribed: bool,
     splits: int,
     allowance: Array,
     bounds: Array,
@@ -195,10 +194,7 @@ def target(
 def between_common(
     t: Array, points: Array, other_t: Array, other_points: Array, /
 ) -> list[tuple[float, float]]: ...
-def largest(coefficients: Array, rational: bool, points: Array, /) -> float: ...
-def cells(
-    knots: Array, degree: int, start: float, stop: float, /
-) -> tuple[int, int, bytearray, bytearray]: ...
+def largest(one: Array, other: Array, /) -> float: ...
 def refine_uniform(points: Array, end_rows: Array, refined: Array, /) -> None: ...
 def add_details(details: Array, columns: Array, share: float, points: Array, /) -> None: ...
 def analyse(

@@ -11,7 +11,6 @@ from multirep.splines.polar import bernstein
 
 __all__ = [
     "bernstein_deviation",
-    "compiled_chord_bounds",
     "curvature_deviation",
     "spline_chord_deviation",
 ]
@@ -82,12 +81,12 @@ def spline_chord_deviation(
     """
     if compiled.active:
         limits = _EMPTY if allowance is None else np.atleast_1d(np.asarray(allowance, np.float64))
-        return compiled_chord_bounds(
-            (knots, coefficients, degree, rational),
-            (sampled_t[:-1], sampled_t[1:], sampled_points[:-1], sampled_points[1:]),
-            limits,
-            splits=splits,
+        proved = np.empty(len(sampled_t) - 1)
+        lines = sampled_t[:-1], sampled_t[1:], sampled_points[:-1], sampled_points[1:]
+        compiled.core.chord_bounds(
+            knots, coefficients, degree, rational, *lines, splits, limits, proved
         )
+        return proved
     t = sampled_t
     stretch = cut_stretch(knots, coefficients, degree, t[0], t[-1], rational)
     pieces = cut_pieces(stretch.breaks, t[:-1], t[1:])
@@ -124,40 +123,6 @@ def spline_chord_deviation(
         sharper += slack.take(above) if isinstance(slack, np.ndarray) else slack
         bounds[above] = np.minimum(bounds[above], sharper)
     return np.asarray(np.maximum.reduceat(bounds, pieces.firsts))
-
-
-def compiled_chord_bounds(
-    spline: tuple[Array, Array, int, bool],
-    chords: tuple[Array, Array, Array, Array],
-    allowance: Array,
-    *,
-    splits: int,
-    inscribed: bool = False,
-) -> Array:
-    """Bound the deviation from chords in the compiled core.
-
-    Parameters
-    ----------
-    spline : tuple
-        Knots, coefficients, degree, and whether the last coordinate is a weight.
-    chords : tuple
-        Where they start and stop, (m,), and the points there, (m, d).
-    allowance : (0,), (1,) or (m,) array
-        What may be enough: chords whose cheap bound is above get the one of so many ``splits``. If
-        empty, all do.
-    splits : int, keyword-only
-        How often a piece is halved.
-    inscribed : bool, keyword-only
-        Whether both ends of each chord lie on the curve. Else the chords are those of one polyline.
-
-    Returns
-    -------
-    (m,) array
-        Rounding included.
-    """
-    bounds = np.empty(len(chords[0]))
-    compiled.core.chord_bounds(*spline, *chords, inscribed, splits, allowance, bounds)
-    return bounds
 
 
 def bernstein_deviation(

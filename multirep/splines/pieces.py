@@ -91,12 +91,6 @@ def cut_stretch(
     knots: Array, coefficients: Array, degree: int, start: float, stop: float, rational: bool
 ) -> Stretch:
     """Cut out what a spline depends on between ``start < stop``."""
-    if compiled.active:
-        first, last, grid, cells = compiled.core.cells(knots, degree, start, stop)
-        window = knots[first - degree : last + degree + 2]
-        rows = coefficients[first - degree : last + 1]
-        found = np.frombuffer(grid), np.frombuffer(cells, dtype=np.intp)
-        return Stretch(window, rows, degree, rational, *found)
     count = len(knots) - degree - 1
     low, high = max(start, float(knots[degree])), min(stop, float(knots[count]))
     first = int(knots.searchsorted(low, "right")) - 1
@@ -135,7 +129,7 @@ def largest_coordinate(one: Array, other: Array = _NONE) -> float:
     3.0
     """
     if compiled.active:
-        return compiled.core.largest(one, False, other)
+        return compiled.core.largest(one, other)
     largest = np.abs(one).max(initial=0.0), np.abs(other).max(initial=0.0)
     return float(np.maximum(*largest))
 
