@@ -29,15 +29,14 @@ def place(cell: Cell, entry: Entry) -> str:
     return f"{entry.name}, {cell.curve}, n = {number(cell.size)}"
 
 
-def taking(workload: str, *sizes: int, names: str = "", scaled: bool = False) -> Reading:
-    """Read medians of ours whose names contain ``names``; scaled to the machine of the goals."""
+def taking(workload: str, *sizes: int, names: str = "") -> Reading:
+    """Read medians of ours whose names contain ``names``."""
 
     def read(results: Results) -> Iterator[Found]:
-        factor = COPY / float(results.machine["copy_16_MB_ms"]) if scaled else 1.0
         for cell in cells(results, workload, *sizes):
             for entry in cell.ours:
                 if names in entry.name and entry.median is not None:
-                    yield factor * entry.median, place(cell, entry)
+                    yield entry.median, place(cell, entry)
 
     return read
 
@@ -65,6 +64,16 @@ def beside(
                     ratio = cell.ratio(entry, other)
                     if names in entry.name and ratio:
                         yield 1 / ratio, place(cell, entry)
+
+    return read
+
+
+def scaled(workload: str, copy: str, *sizes: int) -> Reading:
+    """Read seconds of ours on a machine that takes `COPY` for the peer ``copy``."""
+
+    def read(results: Results) -> Iterator[Found]:
+        found = beside(workload, copy, *sizes)(results)
+        yield from ((1e-3 * COPY * value, where) for value, where in found)
 
     return read
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import gc
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from math import ceil
 from time import process_time
@@ -106,13 +106,19 @@ def no_garbage_collection() -> Iterator[None]:
         gc.enable()
 
 
-def copying(megabytes: int = 16) -> float:
-    """Median CPU seconds that copying an array takes."""
+def copy_of(*, megabytes: int) -> Callable[[int], None]:
+    """Return a step that copies an array of this size into another."""
     source = np.ones(megabytes * 2**20 // 8)
     target = np.empty_like(source)
+    return lambda k: np.copyto(target, source)
+
+
+def copying(megabytes: int = 16) -> float:
+    """Median CPU seconds that copying an array takes."""
+    step = copy_of(megabytes=megabytes)
     samples = []
-    for _ in range(14):
+    for k in range(14):
         begin = process_time()
-        np.copyto(target, source)
+        step(k)
         samples.append(process_time() - begin)
     return float(np.median(samples[3:]))

@@ -17,11 +17,13 @@ from benchmarks.workloads.starting import STARTING
 from benchmarks.workloads.undo import UNDO
 from benchmarks.workloads.unseen import UNSEEN
 from benchmarks.workloads.windows import WINDOWS
+from benchmarks.workloads.yardstick import YARDSTICK
 
 WORKLOADS: dict[str, Workload] = {
     workload.name: workload
     for workload in (
         DRAG,
+        YARDSTICK,
         UNSEEN,
         WINDOWS,
         UNDO,

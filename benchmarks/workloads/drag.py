@@ -23,18 +23,23 @@ SETTLING = 20
 
 
 def contestants(case: Case) -> Iterator[Contestant]:
-    """Ours by the representation that is edited; each on a curve of its own."""
+    """Ours by the representation that is edited, and the eager programs."""
+    yield from dragging(case)
+    for name, program in PROGRAMS.items():
+        if case.tolerance < EAGER:
+            yield Absent(name, f"left out at tolerances below {EAGER:g}")
+            continue
+        yield Timed(name, eager_step(program, vertices(case.curve, case.size), case.tolerance))
+
+
+def dragging(case: Case) -> Iterator[Timed]:
+    """The three drag steps, each on a curve of its own that has settled."""
     for number in range(3):
         curve = viewed(case)
         drag = drags(curve)[number]
         for k in range(-SETTLING, 0):
             drag_step(curve, drag, k)
         yield Timed(drag.what, stepping(curve, number), ours=True)
-    for name, program in PROGRAMS.items():
-        if case.tolerance < EAGER:
-            yield Absent(name, f"left out at tolerances below {EAGER:g}")
-            continue
-        yield Timed(name, eager_step(program, vertices(case.curve, case.size), case.tolerance))
 
 
 def stepping(curve: mr.MultiRepresentation, number: int) -> Callable[[int], None]:
