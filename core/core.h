@@ -288,5 +288,11 @@ METHOD(core_plus);
 METHOD(core_spread);
 METHOD(core_farthest);
 METHOD(core_insert_knots);
+METHOD(core_insert_knot);
+METHOD(core_place);
+METHOD(core_searched);
+METHOD(core_with_block);
+METHOD(core_joined);
+METHOD(core_shared_rows);
 
 #endif

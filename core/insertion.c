@@ -178,3 +178,64 @@ METHOD(core_insert_knots)
     PyObject *starts = numbers(&call, begins, parts), *stops = numbers(&call, ends, parts);
     return finish(&call, pair_of(&call, starts, stops));
 }
+
+/* Copy a block into one with a row more, all but `fresh` new rows from `row` on. */
+static void opened_by(const Table *made, const Table *old, Index row, Index fresh)
+{
+    Index columns = old->columns, rest = row + fresh - 1;
+    memcpy(made->at, old->at, (size_t)(row * columns) * sizeof(double));
+    memcpy(made->at + (row + fresh) * columns, old->at + rest * columns,
+           (size_t)((old->rows - rest) * columns) * sizeof(double));
+}
+
+METHOD(core_insert_knot)
+{
+    /* A block of knots and the row before which one belongs; of control points, and of weights or
+    None, with the row of the last one that acts there; degree, the new knot; new blocks to be filled.
+    All that take part lie in these blocks: p knots on either side and p + 1 control points. Returns
+    the first and the last knot of what changes, or None when the knot is there p times. */
+    Call call;
+    begin(&call, count, 11);
+    if (call.failed)
+        return finish(&call, NULL);
+    Table knots = reals(&call, values[0]), points = reals(&call, values[2]);
+    Table weights = reals_or_none(&call, values[4]);
+    Index at = integer(&call, values[1]), last = integer(&call, values[3]);
+    Index heaviest = weights.at ? integer(&call, values[5]) : last;
+    Index p = integer(&call, values[6]), d = points.columns, times = 0;
+    double t = real(&call, values[7]);
+    Table made[3] = {output(&call, values[8]), output(&call, values[9]),
+                     output_or_none(&call, values[10])};
+    expect(&call,
+           p >= 1 && at >= p && at + p <= knots.rows && knots.columns == 1 && last >= p &&
+               last < points.rows && made[0].rows == knots.rows + 1 && made[0].columns == 1 &&
+               made[1].rows == points.rows + 1 && made[1].columns == d &&
+               !weights.at == !made[2].at,
+           "a knot needs its neighbours in one block, and room");
+    expect(&call,
+           !weights.at || (weights.columns == 1 && heaviest >= p && heaviest < weights.rows &&
+                           made[2].rows == weights.rows + 1 && made[2].columns == 1),
+           "a knot needs its weights in one block, and room");
+    if (call.failed)
+        return finish(&call, NULL);
+    while (times < p && knots.at[at - 1 - times] == t)
+        times++;
+    if (times == p)
+        return finish(&call, Py_NewRef(Py_None));
+    /* The second of the control points that act there, and what it acts on. */
+    Index second = last - p + 1, fresh = p - times;
+    Spline local = {.knots = knots.at + at - p, .coefficients = points.at + second * d,
+                    .degree = p, .dimension = d};
+    const double *local_weights = weights.at ? weights.at + heaviest - p + 1 : NULL;
+    double *bottoms = weights.at ? made[2].at + heaviest - p + 1 : NULL;
+    opened_by(&made[0], &knots, at, 1);
+    made[0].at[at] = t;
+    opened_by(&made[1], &points, second, fresh);
+    if (weights.at)
+        opened_by(&made[2], &weights, heaviest - p + 1, fresh);
+    for (Index i = 0; i < fresh; i++)
+        row_between(&local, local_weights, i, t, made[1].at + (second + i) * d,
+                    bottoms ? bottoms + i : NULL);
+    return finish(&call,
+                  Py_BuildValue("dd", knots.at[at - p], knots.at[at + p - 1 - times]));
+}

@@ -38,6 +38,12 @@ static PyMethodDef methods[] = {
     ENTRY(spread),
     ENTRY(farthest),
     ENTRY(insert_knots),
+    ENTRY(insert_knot),
+    ENTRY(place),
+    ENTRY(searched),
+    ENTRY(with_block),
+    ENTRY(joined),
+    ENTRY(shared_rows),
     {NULL, NULL, 0, NULL},
 };
 

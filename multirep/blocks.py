@@ -6,10 +6,9 @@ the comparison of two versions cost what changed and not what there is.
 
 from __future__ import annotations
 
-from bisect import bisect_left, bisect_right
 from collections.abc import Iterable, Iterator
-from itertools import chain, pairwise
-from typing import Any, Self
+from itertools import accumulate, chain, pairwise
+from typing import Any, Self, TypeAlias
 
 import numpy as np
 from numpy.lib.mixins import NDArrayOperatorsMixin
@@ -17,11 +16,25 @@ from numpy.lib.mixins import NDArrayOperatorsMixin
 from multirep.arrays import Array, ArrayLike, frozen_array
 from multirep.bitwise import common_ends
 from multirep.errors import InvariantError
-from multirep.runs import Run, blocks_of, ends_of, renewed, runs_of, shared_rows
+from multirep.runs import (
+    Run,
+    blocks_of,
+    ends_of,
+    place_of,
+    renewed,
+    runs_of,
+    searched,
+    shared_rows,
+    with_block,
+)
+from multirep.splines import compiled
 
 #: Rows in a full block. An edit copies and keeps a block (1024 rows of two coordinates: 16 KiB):
 #: more take more memory, fewer more time for what goes through all of them.
 BLOCK_ROWS = 1024
+
+#: Where a block is: the number of its run, its number in that, and its first row.
+Place: TypeAlias = tuple[int, int, int]
 
 
 class BlockArray(NDArrayOperatorsMixin):
@@ -42,31 +55,24 @@ class BlockArray(NDArrayOperatorsMixin):
     """
 
     __slots__ = ("_ends", "_only", "_rows", "_runs", "_tail")
-    #: The block of an array of one block, for which everything below is a short cut.
-    _only: Array | None
-    #: Otherwise the blocks in runs, and where the runs end.
+    #: The blocks in runs, and where the runs end.
     _runs: tuple[Run, ...]
     _ends: tuple[int, ...]
     _rows: int
+    #: The block of an array of one block: a short cut for much below.
+    _only: Array | None
     _tail: tuple[int, ...]
 
     def __init__(self, blocks: Iterable[Array], tail: tuple[int, ...]) -> None:
-        blocks = tuple(blocks)
-        if len(blocks) == 1:
-            self._set(blocks[0], (), (), tail)
-        else:
-            runs = runs_of(blocks)
-            self._set(None, runs, ends_of(runs), tail)
+        runs = runs_of(tuple(blocks))
+        self._set(runs, ends_of(runs), tail)
 
     def _set(
-        self,
-        only: Array | None,
-        runs: tuple[Run, ...],
-        ends: tuple[int, ...],
-        tail: tuple[int, ...],
+        self, runs: tuple[Run, ...], ends: tuple[int, ...], tail: tuple[int, ...]
     ) -> Self:
-        self._only, self._runs, self._ends, self._tail = only, runs, ends, tail
-        self._rows = len(only) if only is not None else ends[-1] if ends else 0
+        self._runs, self._ends, self._tail = runs, ends, tail
+        self._rows = ends[-1] if ends else 0
+        self._only = runs[0][0] if len(runs) == 1 and len(runs[0]) == 1 else None
         return self
 
     @classmethod
@@ -76,7 +82,7 @@ class BlockArray(NDArrayOperatorsMixin):
             return values
         array = frozen_array(values)
         if 0 < len(array) <= BLOCK_ROWS:
-            return _new(BlockArray)._set(array, (), (), array.shape[1:])
+            return _new(BlockArray)._set(((array,),), (len(array),), array.shape[1:])
         return cls(_cut(array), array.shape[1:])
 
     # -- reading -----------------------------------------------------------------------------------
@@ -115,12 +121,12 @@ class BlockArray(NDArrayOperatorsMixin):
 
         O(blocks) to list them all; :attr:`runs` are listed already.
         """
-        return (self._only,) if self._only is not None else tuple(blocks_of(self._runs))
+        return tuple(blocks_of(self._runs))
 
     @property
     def runs(self) -> tuple[Run, ...]:
-        """The blocks in runs of neighbours; versions share whole runs too."""
-        return self._runs if self._only is None else (Run((self._only,)),)
+        """The blocks in runs of neighbours, tuples; versions share whole runs too."""
+        return self._runs
 
     def window(self, start: int, stop: int) -> Array:
         """Rows start..stop-1, contiguous and read-only; no copy when they lie in one block.
@@ -132,39 +138,25 @@ class BlockArray(NDArrayOperatorsMixin):
         """
         if self._only is not None:
             return self._only[start:stop]
-        if start == self._rows:
-            return _EMPTY.reshape((0, *self._tail)) if self._tail else _EMPTY
-        g = bisect_right(self._ends, start)
-        run = self._runs[g]
-        blocks, ends = run.blocks, run.ends
-        first = self._ends[g] - run.rows
-        low, high = start - first, stop - first
-        k = bisect_right(ends, low)
-        begin = ends[k] - len(blocks[k])
-        if high <= ends[k]:
-            return blocks[k][low - begin : high - begin]
-        pieces = [blocks[k][low - begin :]]
-        if high > run.rows:  # go on in the run that has the last row
-            pieces += blocks[k + 1 :]
-            last = bisect_left(self._ends, stop)
-            pieces += blocks_of(self._runs[g + 1 : last])
-            blocks, ends = self._runs[last].blocks, self._runs[last].ends
-            k, high = -1, stop - self._ends[last - 1]
-        end = bisect_left(ends, high)
-        pieces += blocks[k + 1 : end]
-        pieces.append(blocks[end][: high - (ends[end - 1] if end else 0)])
+        if not self._rows:
+            return np.empty((0, *self._tail))
+        g, k, first = place_of(self._runs, self._ends, start)
+        block = self._runs[g][k]
+        if stop - first <= len(block):
+            return block[start - first : stop - first]
+        pieces, missing = [block[start - first :]], stop - first - len(block)
+        for block in chain(self._runs[g][k + 1 :], blocks_of(self._runs[g + 1 :])):
+            pieces.append(block[:missing])
+            missing -= len(block)
+            if missing <= 0:
+                break
         joined = np.concatenate(pieces)
         joined.setflags(write=False)
         return joined
 
-    def _place(self, row: int) -> tuple[int, int, Run, int]:
-        """Where a row is: number of its run, first row of that, run, number of its block there."""
-        g = bisect_right(self._ends, row)
-        run = self._runs[g]
-        first = self._ends[g] - run.rows
-        return g, first, run, bisect_right(run.ends, row - first)
-
     def __getitem__(self, key: Any) -> Any:
+        if self._only is not None:
+            return self._only[key]
         if isinstance(key, slice) and key.step in (None, 1):
             start, stop, _ = key.indices(self._rows)
             return self.window(start, max(start, stop))
@@ -172,11 +164,8 @@ class BlockArray(NDArrayOperatorsMixin):
             index, n = int(key), self._rows
             if not -n <= index < n:
                 raise IndexError(f"index {index} is out of bounds for {n} rows")
-            index %= n
-            if self._only is not None:
-                return self._only[index]
-            _, first, run, k = self._place(index)
-            return run.blocks[k][index - first - run.ends[k]]
+            g, k, first = place_of(self._runs, self._ends, index % n)
+            return self._runs[g][k][index % n - first]
         return self.__array__()[key]
 
     def __iter__(self) -> Iterator[Any]:
@@ -222,19 +211,9 @@ class BlockArray(NDArrayOperatorsMixin):
 
     def searchsorted(self, value: float, side: str = "left") -> int:
         """Index that keeps a sorted (n,) array sorted, as numpy's; O(log n), no flat copy."""
-        # the method of a block: np.searchsorted takes five times as long to reach it
-        if self._only is not None:
-            return int(self._only.searchsorted(value, side="right" if side == "right" else "left"))
-        # the first run, and in it the first block, whose last value is not before `value`
-        find = bisect_right if side == "right" else bisect_left
-        g = find(self._runs, value, key=_last_of_run)
-        if g == len(self._runs):
-            return self._rows
-        run = self._runs[g]
-        k = find(run.blocks, value, key=_last)
-        block = run.blocks[k]
-        inside = int(block.searchsorted(value, side="right" if side == "right" else "left"))
-        return self._ends[g] - run.rows + run.ends[k] - len(block) + inside
+        if not self._rows:
+            return 0
+        return searched(self._runs, self._ends, value, side == "right")
 
     # -- making new versions -----------------------------------------------------------------------
 
@@ -249,33 +228,42 @@ class BlockArray(NDArrayOperatorsMixin):
             raise InvariantError(f"rows of shape {new.shape[1:]} in an array of {self._tail}", rows)
         if not 0 <= start <= stop <= self._rows:
             raise IndexError(f"window {start}:{stop} does not fit into {self._rows} rows")
-        only = self._only
-        if only is not None and 0 < len(new) <= BLOCK_ROWS - self._rows:
-            joined = np.concatenate((only[:start], new, only[stop:]))
-            joined.setflags(write=False)
-            return _new(BlockArray)._set(joined, (), (), self._tail)
         if not self._rows:
             return BlockArray(_cut(frozen_array(new)), self._tail)
-        if only is None and len(new) == stop - start and new.size:
-            g, first, run, k = self._place(start)
-            if stop - first <= run.ends[k]:  # rows of one block are moved: the usual edit
-                block = run.blocks[k].copy()
-                begin = start - first - run.ends[k] + len(block)
-                block[begin : begin + len(new)] = new
-                block.setflags(write=False)
-                runs = (*self._runs[:g], run.with_block(k, block), *self._runs[g + 1 :])
-                return _new(BlockArray)._set(None, runs, self._ends, self._tail)
-        runs = self.runs
-        ends = self._ends if only is None else (self._rows,)
-        low = min(bisect_right(ends, start), len(runs) - 1)
-        high = min(bisect_left(ends, max(stop, start + 1)), len(runs) - 1) + 1
-        first = ends[low] - runs[low].rows
-        run = runs[low] if high == low + 1 else Run(tuple(blocks_of(runs[low:high])))
-        blocks = _replaced(run, start - first, stop - first, new)
-        runs = renewed(runs, low, high, blocks)
-        if len(runs) == 1 and len(runs[0].blocks) == 1:
-            return _new(BlockArray)._set(runs[0].blocks[0], (), (), self._tail)
-        return _new(BlockArray)._set(None, runs, ends_of(runs), self._tail)
+        found = self.around(start, stop, len(new) - (stop - start))
+        if found is not None:  # in one block: the usual edit
+            block, (_, _, first) = found
+            return self.with_block(found[1], _joined(block, start - first, stop - first, new))
+        runs = self._runs
+        low, high = (place_of(runs, self._ends, row)[0] for row in (start, max(stop - 1, start)))
+        first = self._ends[low - 1] if low else 0
+        blocks = _replaced(tuple(blocks_of(runs[low : high + 1])), start - first, stop - first, new)
+        runs = renewed(runs, low, high + 1, blocks)
+        return _new(BlockArray)._set(runs, ends_of(runs), self._tail)
+
+    def around(self, start: int, stop: int, more: int) -> tuple[Array, Place] | None:
+        """Return the block that has rows start .. stop - 1, and its place.
+
+        None where they lie in several, or where the block would become too short or too long by
+        ``more`` rows: then others have to change with it.
+        """
+        only = self._only
+        if only is not None:
+            size = self._rows + more
+            return (only, (0, 0, 0)) if size and _is_one(size) else None
+        found = place_of(self._runs, self._ends, start)
+        block = self._runs[found[0]][found[1]]
+        size = len(block) + more
+        if stop - found[2] > len(block) or size < BLOCK_ROWS // 4 or not _is_one(size):
+            return None
+        return block, found
+
+    def with_block(self, place: Place, block: Array) -> BlockArray:
+        """Return a version with another block at a place that `around` has found; freezes it."""
+        block.setflags(write=False)
+        run, k, _ = place
+        runs, ends = with_block(self._runs, self._ends, run, k, block)
+        return _new(BlockArray)._set(runs, ends, self._tail)
 
     def shared(self, other: BlockArray) -> tuple[int, int]:
         """Count the rows in blocks that both have at the head, and those at the tail.
@@ -283,8 +271,8 @@ class BlockArray(NDArrayOperatorsMixin):
         The blocks are the same objects; nothing is looked into. The two are counted each by itself
         and overlap when equal blocks repeat. O(runs, and blocks in the first that differ).
         """
-        mine, theirs = self.runs, other.runs
-        return shared_rows(mine, theirs, 1), shared_rows(mine, theirs, -1)
+        mine, theirs = (self._runs, self._ends), other._runs
+        return shared_rows(*mine, theirs, False), shared_rows(*mine, theirs, True)
 
     def difference(self, other: BlockArray) -> tuple[int, int, int]:
         """Where two versions differ: ``(low, high, other_high)``.
@@ -308,31 +296,35 @@ class BlockArray(NDArrayOperatorsMixin):
         return low + head, n - tail - end, m - tail - end
 
     def __repr__(self) -> str:
-        return f"BlockArray(shape={self.shape}, blocks={sum(len(run.blocks) for run in self.runs)})"
+        return f"BlockArray(shape={self.shape}, blocks={sum(map(len, self._runs))})"
 
     def __reduce__(self) -> tuple[object, ...]:
         return BlockArray.of, (np.asarray(self),)
 
 
 _new = object.__new__
-_EMPTY = np.empty(0)
-_EMPTY.setflags(write=False)
 
 
-def _last(block: Array) -> Any:
-    return block[-1]
+def _is_one(rows: int) -> bool:
+    """Whether so many rows stay one block: they are nearer to one full block than to two."""
+    return 2 * rows < 3 * BLOCK_ROWS
 
 
-def _last_of_run(run: Run) -> Any:
-    return run.blocks[-1][-1]
+def _joined(block: Array, start: int, stop: int, new: Array) -> Array:
+    """Return a block in which new rows stand for rows start .. stop - 1."""
+    if not compiled.active:
+        return np.concatenate((block[:start], new, block[stop:]))
+    made = np.empty((len(block) + len(new) - (stop - start), *block.shape[1:]))
+    compiled.core.joined(block, start, stop, new, made)
+    return made
 
 
-def _replaced(run: Run, start: int, stop: int, new: Array) -> list[Array]:
-    """Return the blocks of a run in which new rows stand for some."""
-    blocks, ends = run.blocks, run.ends
-    first = min(bisect_right(ends, start), len(blocks) - 1)
-    last = min(bisect_left(ends, max(stop, start + 1)), len(blocks) - 1)
-    before = ends[first] - len(blocks[first])
+def _replaced(blocks: Run, start: int, stop: int, new: Array) -> list[Array]:
+    """Return some neighbouring blocks in which new rows stand for rows start .. stop - 1."""
+    ends = tuple(accumulate(map(len, blocks)))
+    (_, first, before), (_, last, _) = (
+        place_of((blocks,), ends[-1:], row) for row in (start, max(stop - 1, start))
+    )
     head, tail = blocks[first][: start - before], blocks[last][stop - ends[last] :]
     pieces = [head, new, tail if stop < ends[last] else tail[:0]]
     if len(blocks) > 1 and start - before + len(new) + ends[last] - stop < BLOCK_ROWS // 4:
@@ -351,9 +343,9 @@ def _replaced(run: Run, start: int, stop: int, new: Array) -> list[Array]:
 def _cut(array: Array) -> list[Array]:
     """Cut a frozen array into blocks between half and one and a half times BLOCK_ROWS."""
     n = array.shape[0]
-    count = max(1, round(n / BLOCK_ROWS))
-    if count == 1:
+    if _is_one(n):
         return [array] if n else []
+    count = round(n / BLOCK_ROWS)
     marks = [n * k // count for k in range(count + 1)]
     blocks = []
     for start, stop in pairwise(marks):

@@ -2,75 +2,106 @@
 
 from __future__ import annotations
 
+from bisect import bisect_left, bisect_right
 from collections.abc import Iterable, Iterator, Sequence
 from itertools import accumulate, chain, islice, pairwise, takewhile
 from operator import is_
+from typing import Any, TypeAlias
 
 from multirep.arrays import Array
+from multirep.splines import compiled
+
+#: Some neighbouring blocks of an array, none empty.
+Run: TypeAlias = tuple[Array, ...]
 
 #: Blocks in a full run. An edit copies the list of one run and the list of all: at 10**6 rows in
 #: blocks of 1024, both are about this long.
 RUN_BLOCKS = 32
 
 
-class Run:
-    """Some neighbouring blocks of an array, none empty, and where they end, from the first row.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> run = Run((np.zeros(3), np.zeros(4)))
-    >>> run.ends, run.rows
-    ((3, 7), 7)
-    """
-
-    __slots__ = ("blocks", "ends", "rows")
-    blocks: tuple[Array, ...]
-    ends: tuple[int, ...]
-    rows: int
-
-    def __init__(self, blocks: tuple[Array, ...], ends: tuple[int, ...] = ()) -> None:
-        self.blocks = blocks
-        self.ends = ends or tuple(accumulate(map(len, blocks)))
-        self.rows = self.ends[-1]
-
-    def with_block(self, k: int, block: Array) -> Run:
-        """Return the run with another block of the same length in the place of block ``k``."""
-        return Run((*self.blocks[:k], block, *self.blocks[k + 1 :]), self.ends)
-
-    def __len__(self) -> int:
-        return self.rows
-
-
 def runs_of(blocks: Sequence[Array]) -> tuple[Run, ...]:
     """Cut blocks into runs between half and one and a half times as many as a full one."""
     count = round(len(blocks) / RUN_BLOCKS)
     if count <= 1:
-        return (Run(tuple(blocks)),) if blocks else ()
+        return (tuple(blocks),) if blocks else ()
     marks = [len(blocks) * k // count for k in range(count + 1)]
-    return tuple(Run(tuple(blocks[i:j])) for i, j in pairwise(marks))
+    return tuple(tuple(blocks[i:j]) for i, j in pairwise(marks))
+
+
+def rows_of(run: Run) -> int:
+    """Return how many rows a run has."""
+    return sum(map(len, run))
 
 
 def ends_of(runs: tuple[Run, ...]) -> tuple[int, ...]:
     """Return where runs end, from the first row."""
-    return tuple(accumulate([run.rows for run in runs]))
+    return tuple(accumulate(map(rows_of, runs)))
 
 
 def renewed(runs: tuple[Run, ...], low: int, high: int, blocks: Sequence[Array]) -> tuple[Run, ...]:
     """Put some blocks in the place of runs low .. high - 1, and leave no run too short."""
     if len(blocks) < RUN_BLOCKS // 4:
         if high < len(runs):
-            blocks = (*blocks, *runs[high].blocks)
+            blocks = (*blocks, *runs[high])
             high += 1
         elif low:
             low -= 1
-            blocks = (*runs[low].blocks, *blocks)
+            blocks = (*runs[low], *blocks)
     return (*runs[:low], *runs_of(blocks), *runs[high:])
 
 
 def blocks_of(runs: Iterable[Run]) -> Iterator[Array]:
     """Yield the blocks of some runs."""
-    return chain.from_iterable(run.blocks for run in runs)
+    return chain.from_iterable(runs)
+
+
+def place_of(runs: tuple[Run, ...], ends: tuple[int, ...], row: int) -> tuple[int, int, int]:
+    """Return the number of the run that has a row, of the block in it, and the block's first row.
+
+    The row after the last belongs to the last block.
+    """
+    if compiled.active:
+        return compiled.core.place(runs, ends, row)
+    g = min(bisect_right(ends, row), len(runs) - 1)
+    run, first = runs[g], ends[g - 1] if g else 0
+    for k, block in enumerate(run[:-1]):
+        if row < first + len(block):
+            return g, k, first
+        first += len(block)
+    return g, len(run) - 1, first
+
+
+def searched(runs: tuple[Run, ...], ends: tuple[int, ...], value: float, right: bool) -> int:
+    """Return the row before which a value belongs among ascending ones; right: behind equals."""
+    if compiled.active:
+        return compiled.core.searched(runs, ends, value, right)
+    # the first run, and in it the first block, whose last value is not before the value
+    find = bisect_right if right else bisect_left
+    g = find(runs, value, 0, len(runs) - 1, key=_last_of_run)
+    run = runs[g]
+    k = find(run, value, 0, len(run) - 1, key=_last)
+    inside = int(run[k].searchsorted(value, "right" if right else "left"))
+    return (ends[g - 1] if g else 0) + rows_of(run[:k]) + inside
+
+
+def _last(block: Array) -> Any:
+    return block[-1]
+
+
+def _last_of_run(run: Run) -> Any:
+    return run[-1][-1]
+
+
+def with_block(
+    runs: tuple[Run, ...], ends: tuple[int, ...], g: int, k: int, block: Array
+) -> tuple[tuple[Run, ...], tuple[int, ...]]:
+    """Return runs with another block in the place of block k of run g, and where they end."""
+    if compiled.active:
+        return compiled.core.with_block(runs, ends, g, k, block)
+    run, more = runs[g], len(block) - len(runs[g][k])
+    if more:
+        ends = (*ends[:g], *[end + more for end in ends[g:]])
+    return (*runs[:g], (*run[:k], block, *run[k + 1 :]), *runs[g + 1 :]), ends
 
 
 def shared_ends(one: Sequence[object], other: Sequence[object]) -> tuple[int, int]:
@@ -93,23 +124,26 @@ def shared_head(one: Iterable[object], other: Iterable[object]) -> int:
     return len(list(takewhile(bool, map(is_, one, other))))  # 25 ns each: no Python loop
 
 
-def shared_rows(one: Sequence[Run], other: Sequence[Run], step: int) -> int:
-    """Count the rows in blocks that runs share from the beginning, or from the end (step = -1).
+def shared_rows(
+    runs: tuple[Run, ...], ends: tuple[int, ...], others: tuple[Run, ...], from_end: bool
+) -> int:
+    """Count the rows in blocks that runs share from the beginning, or from the end.
 
     O(shared runs, and blocks in the first two that are not the same run).
     """
-    one, other = one[::step], other[::step]
-    limit = min(len(one), len(other))
-    whole = shared_head(one, other) if limit and one[0] is other[0] else 0
-    rows = sum([run.rows for run in one[:whole]]) if whole else 0
-    if whole == limit:
-        return rows
-    mine, theirs = one[whole].blocks[::step], other[whole].blocks[::step]
-    count = shared_head(mine, theirs)
-    if count == min(len(mine), len(theirs)):  # cut into runs in other places: go on in the next
-        mine, theirs = (
-            tuple(block for run in runs[whole:] for block in run.blocks[::step])
-            for runs in (one, other)
-        )
-        count = shared_head(mine, theirs)
-    return rows + sum(map(len, mine[:count]))
+    if compiled.active:
+        return compiled.core.shared_rows(runs, ends, others, from_end)
+    step = -1 if from_end else 1
+    one, other = runs[::step], others[::step]
+    whole = shared_head(one, other)
+    marks = (0, *ends)
+    rows = marks[-1] - marks[-1 - whole] if from_end else marks[whole]
+    mine, theirs = one[whole : whole + 1], other[whole : whole + 1]
+    blocks = [block for run in mine for block in run[::step]]
+    other_blocks = [block for run in theirs for block in run[::step]]
+    count = shared_head(blocks, other_blocks)
+    if count == min(len(blocks), len(other_blocks)):  # cut in other places: go on in the next
+        blocks = [block for run in one[whole:] for block in run[::step]]
+        other_blocks = [block for run in other[whole:] for block in run[::step]]
+        count = shared_head(blocks, other_blocks)
+    return rows + sum(map(len, blocks[:count]))

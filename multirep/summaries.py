@@ -57,9 +57,9 @@ class Summaries(Generic[B, R]):
     ) -> Self:
         """Summarize another version; O(rows in blocks that are not shared, and runs)."""
         old, new = self.runs, array.runs
-        if len(new) == 1 and len(new[0].blocks) == 1:  # most arrays have one block: a short cut
-            [block] = new[0].blocks
-            if len(old) == 1 and len(old[0].blocks) == 1 and old[0].blocks[0] is block:
+        if len(new) == 1 and len(new[0]) == 1:  # most arrays have one block: a short cut
+            [block] = new[0]
+            if len(old) == 1 and len(old[0]) == 1 and old[0][0] is block:
                 return self
             one = (of_block(block),)
             return type(self)(new, (one,), (of_run(one),))
@@ -73,7 +73,7 @@ class Summaries(Generic[B, R]):
         first, last = shared_ends(mine, theirs)
         fresh = map(of_block, theirs[first : len(theirs) - last])
         each = iter((*known[:first], *fresh, *known[len(known) - last :]))
-        parts = [tuple(islice(each, len(run.blocks))) for run in new[low:stop]]
+        parts = [tuple(islice(each, len(run))) for run in new[low:stop]]
         return type(self)(
             new,
             (*self.blocks[:low], *parts, *self.blocks[high:]),

@@ -1,6 +1,10 @@
 """What the compiled core offers. Arrays that a function fills come last; see the C files."""
 
+from typing import TypeAlias
+
 from multirep.splines.arrays import Array, IntArray
+
+_Runs: TypeAlias = tuple[tuple[Array, ...], ...]
 
 def find_spans(knots: Array, degree: int, t: Array, spans: IntArray, /) -> None: ...
 def basis_functions(
@@ -220,3 +224,26 @@ def farthest(
     worst: IntArray,
     /,
 ) -> None: ...
+def insert_knot(
+    knots: Array,
+    at: int,
+    points: Array,
+    point: int,
+    weights: Array | None,
+    weight: int,
+    degree: int,
+    t: float,
+    new_knots: Array,
+    new_points: Array,
+    new_weights: Array | None,
+    /,
+) -> tuple[float, float] | None: ...
+def place(runs: _Runs, ends: tuple[int, ...], row: int, /) -> tuple[int, int, int]: ...
+def searched(runs: _Runs, ends: tuple[int, ...], value: float, right: bool, /) -> int: ...
+def with_block(
+    runs: _Runs, ends: tuple[int, ...], run: int, k: int, block: Array, /
+) -> tuple[_Runs, tuple[int, ...]]: ...
+def joined(block: Array, start: int, stop: int, rows: Array, made: Array, /) -> None: ...
+def shared_rows(
+    runs: _Runs, ends: tuple[int, ...], others: _Runs, from_end: bool, /
+) -> int: ...

@@ -11,7 +11,7 @@ from multirep.blocks import BLOCK_ROWS, BlockArray
 from multirep.edit import Edit
 from multirep.errors import EditError
 from multirep.interval import Interval
-from multirep.representations.nurbs.boehm import Refined, inserted
+from multirep.representations.nurbs.boehm import Refined, inserted, one_inserted
 from multirep.splices import SpliceList
 
 if TYPE_CHECKING:
@@ -42,10 +42,8 @@ def knot_inserted(curve: N, t: float, times: int) -> Edit[N]:
     t, domain = float(t), curve.domain
     if not domain.start < t < domain.stop:
         _refuse_outside(domain, t)
-    new = np.array([t])
-    if len(curve._points) <= SHORT:
-        return _inserted_in_whole(curve, new)
-    return _inserted_in_windows(curve, [(*_around(curve, t, t), new)])
+    edit = _inserted_in_blocks(curve, t)
+    return edit or _inserted_in_windows(curve, [(*_around(curve, t, t), np.array([t]))])
 
 
 def knots_inserted(curve: N, knots: ArrayLike) -> Edit[N]:
@@ -62,6 +60,40 @@ def knots_inserted(curve: N, knots: ArrayLike) -> Edit[N]:
     if len(curve._points) <= SHORT:
         return _inserted_in_whole(curve, new)
     return _inserted_in_windows(curve, _runs(curve, new))
+
+
+def _inserted_in_blocks(curve: N, t: float) -> Edit[N] | None:
+    """Insert one knot where all that takes part lies in one block of each array: the usual case.
+
+    None where it does not, or where the knot is there p times already.
+    """
+    p, at = curve.degree, curve._knots.searchsorted(t, "right")
+    last = at - 1  # of the control points that act there
+    knots, points = curve._knots.around(at - p, at + p, 1), curve._points.around(last - p, at, 1)
+    weights = None if curve._weights is None else curve._weights.around(last - p, at, 1)
+    if knots is None or points is None or (weights is None) != (curve._weights is None):
+        return None
+    found = one_inserted(
+        (knots[0], at - knots[1][2]),
+        (points[0], last - points[1][2]),
+        None if weights is None else (weights[0], last - weights[1][2]),
+        p,
+        t,
+    )
+    if found is None:
+        return None
+    union, rows, bottoms, start, stop = found
+    heavier = None
+    if curve._weights is not None and weights is not None and bottoms is not None:
+        heavier = curve._weights.with_block(weights[1], bottoms)
+    value = curve._with(
+        knots=curve._knots.with_block(knots[1], union),
+        points=curve._points.with_block(points[1], rows),
+        weights=heavier,
+    )
+    domain = curve.domain
+    ends = max(start, domain.start), min(stop, domain.stop)
+    return Edit(value, SpliceList.unchecked(ends[:1], ends[1:]))
 
 
 def _inserted_in_whole(curve: N, new: Array) -> Edit[N]:

@@ -12,6 +12,7 @@ import numpy.typing as npt
 
 from multirep.arrays import Array
 from multirep.blocks import BlockArray
+from multirep.runs import rows_of
 from multirep.summaries import Summaries
 
 #: Segments in a leaf. Larger: more rows to look at around a hit; smaller: more boxes to make after
@@ -124,17 +125,17 @@ class BlockBoxes:
             Cost: O(runs), O(blocks) of the runs that are hit, O(leaves) of the blocks that are.
         """
         of = self.of_blocks
-        rows = np.array([0, *(run.rows for run in of.runs)]).cumsum().tolist()
+        rows = np.array([0, *map(rows_of, of.runs)]).cumsum().tolist()
         lows = np.array([boxes.lows.min(axis=0) for boxes in of.wholes])
         highs = np.array([boxes.highs.max(axis=0) for boxes in of.wholes])
-        firsts = [run.blocks[0][:1] for run in of.runs]
+        firsts = [run[0][:1] for run in of.runs]
         found: list[tuple[int, int]] = []
         for k in np.flatnonzero(hit(*_linked(lows, highs, firsts[1:]))).tolist():
             run, boxes = of.runs[k], of.wholes[k]
-            links = [block[:1] for block in run.blocks[1:]] + firsts[k + 1 : k + 2]
+            links = [block[:1] for block in run[1:]] + firsts[k + 1 : k + 2]
             for b in np.flatnonzero(hit(*_linked(boxes.lows, boxes.highs, links))).tolist():
-                stop = rows[k] + run.ends[b]
-                start = stop - len(run.blocks[b])
+                start = rows[k] + rows_of(run[:b])
+                stop = start + len(run[b])
                 low, high = of.blocks[k][b].leaves
                 ended = _linked(low[::-1], high[::-1], links[b : b + 1])  # the last leaf
                 for leaf in np.flatnonzero(hit(*ended)[::-1]).tolist():

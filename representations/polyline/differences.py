@@ -8,7 +8,7 @@ import numpy as np
 
 from multirep.arrays import Array
 from multirep.blocks import BLOCK_ROWS, BlockArray
-from multirep.runs import Run
+from multirep.runs import Run, rows_of
 from multirep.splices import SpliceList
 from multirep.splines import compiled
 
@@ -103,13 +103,13 @@ def _shared(a: BlockArray, b: BlockArray) -> list[tuple[int, int, int]]:
     common = {id(run) for run in a.runs} & {id(run) for run in b.runs}
     where: dict[int, int] = {}
     row = 0
-    for piece in _pieces(b.runs, common):
+    for piece, rows in _pieces(b.runs, common):
         where[id(piece)] = row
-        row += len(piece)
+        row += rows
     runs: list[tuple[int, int, int]] = []
     row = 0
-    for piece in _pieces(a.runs, common):
-        stop = row + len(piece)
+    for piece, rows in _pieces(a.runs, common):
+        stop = row + rows
         other = where.get(id(piece))
         if other is not None:
             if runs and runs[-1][1:] == (row, other - row):
@@ -120,13 +120,13 @@ def _shared(a: BlockArray, b: BlockArray) -> list[tuple[int, int, int]]:
     return runs
 
 
-def _pieces(runs: tuple[Run, ...], common: set[int]) -> Iterator[Run | Array]:
-    """Yield runs that both have as they are, and of the others the blocks."""
+def _pieces(runs: tuple[Run, ...], common: set[int]) -> Iterator[tuple[Run | Array, int]]:
+    """Yield runs that both have as they are, and of the others the blocks, with their rows."""
     for run in runs:
         if id(run) in common:
-            yield run
+            yield run, rows_of(run)
         else:
-            yield from run.blocks
+            yield from zip(run, map(len, run), strict=True)
 
 
 def _both(

@@ -57,12 +57,11 @@ def versions(array: Array, steps: list[tuple[int, int, int]]) -> list[tuple[Bloc
 
 def check_runs(array: BlockArray) -> None:
     """The lists of an array say what its blocks are, and no run is out of bounds."""
-    assert [id(b) for run in array.runs for b in run.blocks] == [id(b) for b in array.blocks]
-    for run in array.runs:
-        assert run.ends == tuple(np.cumsum([len(b) for b in run.blocks]))
-        assert len(run) == run.rows == run.ends[-1]
-        assert len(run.blocks) <= 12
-    assert sum(map(len, array.runs)) == len(array)
+    assert [id(b) for run in array.runs for b in run] == [id(b) for b in array.blocks]
+    assert all(1 <= len(run) <= 12 for run in array.runs)
+    assert array._ends == runs.ends_of(array.runs)
+    assert sum(map(len, array.blocks)) == len(array)
+    assert array._only is (array.blocks[0] if len(array.blocks) == 1 else None)
 
 
 @pytest.mark.parametrize("columns", [0, 3])
@@ -191,7 +190,7 @@ def test_untouched_runs_are_the_same_objects() -> None:
         fresh = [run for run in b.runs if id(run) not in mine]
         assert 1 <= len(fresh) <= 2
         assert len(a.runs) - sum(id(run) in mine for run in b.runs) <= 2
-        assert sum(len(run.blocks) for run in fresh) <= 2 * 12
+        assert sum(map(len, fresh)) <= 2 * 12
 
 
 @given(data=st.data(), rows=st.integers(0, 200))
@@ -257,7 +256,7 @@ def test_deletions_all_over_leave_no_short_runs() -> None:
         a = a.replaced(at, at + 5, [])
     check_runs(a)
     assert len(a.blocks) <= 4 * len(a) / 8
-    assert all(len(run.blocks) >= 2 for run in a.runs)
+    assert all(len(run) >= 2 for run in a.runs)
 
 
 def test_a_block_that_repeats_is_counted_once() -> None:
