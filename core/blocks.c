@@ -33,8 +33,8 @@ static Index end_of_run(Call *call, PyObject *ends, Index g)
 
 METHOD(core_place)
 {
-    /* runs, where they end, a row; returns the run that has it, the block in that, and the first row
-    of the block. The row after the last belongs to the last block. */
+    /* runs, where they end, a row; returns the block that has it, the first row of that, the number
+    of its run and its number there. The row after the last belongs to the last block. */
     Call call;
     begin(&call, count, 3);
     if (call.failed)
@@ -45,13 +45,15 @@ METHOD(core_place)
         g++;
     PyObject *run = item(&call, values[0], g);
     Index k = 0, first = end_of_run(&call, ends, g - 1), final = items(&call, run) - 1;
-    for (; k < final && !call.failed; k++) {
-        Index rows = rows_in(&call, item(&call, run, k));
+    PyObject *block = item(&call, run, 0);
+    while (k < final && !call.failed) {
+        Index rows = rows_in(&call, block);
         if (row < first + rows)
             break;
         first += rows;
+        block = item(&call, run, ++k);
     }
-    return finish(&call, call.failed ? NULL : Py_BuildValue("nnn", g, k, first));
+    return finish(&call, call.failed ? NULL : Py_BuildValue("Onnn", block, first, g, k));
 }
 
 /* The numbers of a block; its buffer need not stay open, for the caller's tuple keeps it. */

@@ -3,6 +3,21 @@
 
 #include <string.h>
 
+/* Numbers that are compared at once: the first difference is looked for in so many. */
+enum { CHUNK = 32 };
+
+/* How many numbers are the same from the beginning, or from before the end backwards. */
+static Index same_numbers(const double *a, const double *b, Index most, int backwards)
+{
+    Index same = 0;
+    for (Index size = CHUNK; size; size = size > 1 ? 1 : 0)
+        while (same + size <= most &&
+               !memcmp(backwards ? a - same - size : a + same,
+                       backwards ? b - same - size : b + same, (size_t)size * sizeof(double)))
+            same += size;
+    return same;
+}
+
 METHOD(core_common)
 {
     /* Lengths of the common prefix of two arrays, and of the common suffix of what follows it; -0.0
@@ -15,13 +30,10 @@ METHOD(core_common)
     expect(&call, a.columns == b.columns, "rows of different lengths are compared");
     Index least = at_most(a.rows, b.rows), head = 0, tail = 0;
     if (!call.failed) {
-        size_t row = (size_t)a.columns * sizeof(double);
-        const double *end_a = a.at + a.rows * a.columns, *end_b = b.at + b.rows * b.columns;
-        while (head < least && !memcmp(a.at + head * a.columns, b.at + head * a.columns, row))
-            head++;
-        while (tail < least - head &&
-               !memcmp(end_a - (tail + 1) * a.columns, end_b - (tail + 1) * a.columns, row))
-            tail++;
+        Index columns = at_least(a.columns, 1); /* of an array without rows, perhaps none */
+        head = same_numbers(a.at, b.at, least * columns, 0) / columns;
+        tail = same_numbers(a.at + a.rows * columns, b.at + b.rows * columns,
+                            (least - head) * columns, 1) / columns;
     }
     return finish(&call, Py_BuildValue("nn", head, tail));
 }

@@ -190,22 +190,24 @@ static void opened_by(const Table *made, const Table *old, Index row, Index fres
 
 METHOD(core_insert_knot)
 {
-    /* A block of knots and the row before which one belongs; of control points, and of weights or
-    None, with the row of the last one that acts there; degree, the new knot; new blocks to be filled.
-    All that take part lie in these blocks: p knots on either side and p + 1 control points. Returns
-    the first and the last knot of what changes, or None when the knot is there p times. */
+    /* Degree, the new knot, both ends of the domain; a block of knots and the row before which it
+    belongs; of control points, and of weights or None, with the row of the last one that acts there;
+    new blocks to be filled. All that take part lie in these blocks: p knots on either side and p + 1
+    control points. Returns where the interval begins and ends on which new control points act, a
+    tuple each, or None when the knot is there p times. */
     Call call;
-    begin(&call, count, 11);
+    begin(&call, count, 13);
     if (call.failed)
         return finish(&call, NULL);
-    Table knots = reals(&call, values[0]), points = reals(&call, values[2]);
-    Table weights = reals_or_none(&call, values[4]);
-    Index at = integer(&call, values[1]), last = integer(&call, values[3]);
-    Index heaviest = weights.at ? integer(&call, values[5]) : last;
-    Index p = integer(&call, values[6]), d = points.columns, times = 0;
-    double t = real(&call, values[7]);
-    Table made[3] = {output(&call, values[8]), output(&call, values[9]),
-                     output_or_none(&call, values[10])};
+    Index p = integer(&call, values[0]);
+    double t = real(&call, values[1]);
+    double start = real(&call, values[2]), stop = real(&call, values[3]);
+    Table knots = reals(&call, values[4]), points = reals(&call, values[6]);
+    Table weights = reals_or_none(&call, values[8]);
+    Index at = integer(&call, values[5]), last = integer(&call, values[7]);
+    Index heaviest = integer(&call, values[9]), d = points.columns, times = 0;
+    Table made[3] = {output(&call, values[10]), output(&call, values[11]),
+                     output_or_none(&call, values[12])};
     expect(&call,
            p >= 1 && at >= p && at + p <= knots.rows && knots.columns == 1 && last >= p &&
                last < points.rows && made[0].rows == knots.rows + 1 && made[0].columns == 1 &&
@@ -236,6 +238,6 @@ METHOD(core_insert_knot)
     for (Index i = 0; i < fresh; i++)
         row_between(&local, local_weights, i, t, made[1].at + (second + i) * d,
                     bottoms ? bottoms + i : NULL);
-    return finish(&call,
-                  Py_BuildValue("dd", knots.at[at - p], knots.at[at + p - 1 - times]));
+    return finish(&call, Py_BuildValue("(d)(d)", larger(knots.at[at - p], start),
+                                       smaller(knots.at[at + p - 1 - times], stop)));
 }

@@ -6,6 +6,7 @@ the comparison of two versions cost what changed and not what there is.
 
 from __future__ import annotations
 
+from bisect import bisect_left, bisect_right
 from collections.abc import Iterable, Iterator
 from itertools import accumulate, chain, pairwise
 from typing import Any, Self, TypeAlias
@@ -33,8 +34,8 @@ from multirep.splines import compiled
 #: more take more memory, fewer more time for what goes through all of them.
 BLOCK_ROWS = 1024
 
-#: Where a block is: the number of its run, its number in that, and its first row.
-Place: TypeAlias = tuple[int, int, int]
+#: A block, its first row, the number of its run, and its number there.
+Place: TypeAlias = tuple[Array, int, int, int]
 
 
 class BlockArray(NDArrayOperatorsMixin):
@@ -67,9 +68,7 @@ class BlockArray(NDArrayOperatorsMixin):
         runs = runs_of(tuple(blocks))
         self._set(runs, ends_of(runs), tail)
 
-    def _set(
-        self, runs: tuple[Run, ...], ends: tuple[int, ...], tail: tuple[int, ...]
-    ) -> Self:
+    def _set(self, runs: tuple[Run, ...], ends: tuple[int, ...], tail: tuple[int, ...]) -> Self:
         self._runs, self._ends, self._tail = runs, ends, tail
         self._rows = ends[-1] if ends else 0
         self._only = runs[0][0] if len(runs) == 1 and len(runs[0]) == 1 else None
@@ -140,8 +139,7 @@ class BlockArray(NDArrayOperatorsMixin):
             return self._only[start:stop]
         if not self._rows:
             return np.empty((0, *self._tail))
-        g, k, first = place_of(self._runs, self._ends, start)
-        block = self._runs[g][k]
+        block, first, g, k = place_of(self._runs, self._ends, start)
         if stop - first <= len(block):
             return block[start - first : stop - first]
         pieces, missing = [block[start - first :]], stop - first - len(block)
@@ -164,8 +162,8 @@ class BlockArray(NDArrayOperatorsMixin):
             index, n = int(key), self._rows
             if not -n <= index < n:
                 raise IndexError(f"index {index} is out of bounds for {n} rows")
-            g, k, first = place_of(self._runs, self._ends, index % n)
-            return self._runs[g][k][index % n - first]
+            block, first, _, _ = place_of(self._runs, self._ends, index % n)
+            return block[index % n - first]
         return self.__array__()[key]
 
     def __iter__(self) -> Iterator[Any]:
@@ -230,40 +228,45 @@ class BlockArray(NDArrayOperatorsMixin):
             raise IndexError(f"window {start}:{stop} does not fit into {self._rows} rows")
         if not self._rows:
             return BlockArray(_cut(frozen_array(new)), self._tail)
-        found = self.around(start, stop, len(new) - (stop - start))
-        if found is not None:  # in one block: the usual edit
-            block, (_, _, first) = found
-            return self.with_block(found[1], _joined(block, start - first, stop - first, new))
+        place = self.around(start, stop, len(new) - (stop - start))
+        if place is not None:  # in one block: the usual edit
+            block, first, _, _ = place
+            return self.with_block(place, self._joined(block, start - first, stop - first, new))
         runs = self._runs
-        low, high = (place_of(runs, self._ends, row)[0] for row in (start, max(stop - 1, start)))
+        low, high = (place_of(runs, self._ends, row)[2] for row in (start, max(stop - 1, start)))
         first = self._ends[low - 1] if low else 0
         blocks = _replaced(tuple(blocks_of(runs[low : high + 1])), start - first, stop - first, new)
         runs = renewed(runs, low, high + 1, blocks)
         return _new(BlockArray)._set(runs, ends_of(runs), self._tail)
 
-    def around(self, start: int, stop: int, more: int) -> tuple[Array, Place] | None:
-        """Return the block that has rows start .. stop - 1, and its place.
+    def around(self, start: int, stop: int, more: int) -> Place | None:
+        """Return the block that has rows start .. stop - 1, with its place.
 
         None where they lie in several, or where the block would become too short or too long by
         ``more`` rows: then others have to change with it.
         """
-        only = self._only
-        if only is not None:
+        if self._only is not None:
             size = self._rows + more
-            return (only, (0, 0, 0)) if size and _is_one(size) else None
-        found = place_of(self._runs, self._ends, start)
-        block = self._runs[found[0]][found[1]]
-        size = len(block) + more
-        if stop - found[2] > len(block) or size < BLOCK_ROWS // 4 or not _is_one(size):
-            return None
-        return block, found
+            return (self._only, 0, 0, 0) if 0 < 2 * size < 3 * BLOCK_ROWS else None
+        place = place_of(self._runs, self._ends, start)
+        old = len(place[0])
+        if stop - place[1] <= old and BLOCK_ROWS <= 4 * (old + more) < 6 * BLOCK_ROWS:
+            return place
+        return None
 
     def with_block(self, place: Place, block: Array) -> BlockArray:
         """Return a version with another block at a place that `around` has found; freezes it."""
-        block.setflags(write=False)
-        run, k, _ = place
-        runs, ends = with_block(self._runs, self._ends, run, k, block)
+        block.setflags(False)  # no longer writeable; without the keyword in half the time
+        runs, ends = with_block(self._runs, self._ends, place[2], place[3], block)
         return _new(BlockArray)._set(runs, ends, self._tail)
+
+    def _joined(self, block: Array, start: int, stop: int, new: Array) -> Array:
+        """Return a block in which new rows stand for rows start .. stop - 1."""
+        if not compiled.active:
+            return np.concatenate((block[:start], new, block[stop:]))
+        made = np.empty((len(block) + len(new) - (stop - start), *self._tail))
+        compiled.core.joined(block, start, stop, new, made)
+        return made
 
     def shared(self, other: BlockArray) -> tuple[int, int]:
         """Count the rows in blocks that both have at the head, and those at the tail.
@@ -305,26 +308,12 @@ class BlockArray(NDArrayOperatorsMixin):
 _new = object.__new__
 
 
-def _is_one(rows: int) -> bool:
-    """Whether so many rows stay one block: they are nearer to one full block than to two."""
-    return 2 * rows < 3 * BLOCK_ROWS
-
-
-def _joined(block: Array, start: int, stop: int, new: Array) -> Array:
-    """Return a block in which new rows stand for rows start .. stop - 1."""
-    if not compiled.active:
-        return np.concatenate((block[:start], new, block[stop:]))
-    made = np.empty((len(block) + len(new) - (stop - start), *block.shape[1:]))
-    compiled.core.joined(block, start, stop, new, made)
-    return made
-
-
 def _replaced(blocks: Run, start: int, stop: int, new: Array) -> list[Array]:
     """Return some neighbouring blocks in which new rows stand for rows start .. stop - 1."""
     ends = tuple(accumulate(map(len, blocks)))
-    (_, first, before), (_, last, _) = (
-        place_of((blocks,), ends[-1:], row) for row in (start, max(stop - 1, start))
-    )
+    first = min(bisect_right(ends, start), len(blocks) - 1)
+    last = min(bisect_left(ends, max(stop, start + 1)), len(blocks) - 1)
+    before = ends[first] - len(blocks[first])
     head, tail = blocks[first][: start - before], blocks[last][stop - ends[last] :]
     pieces = [head, new, tail if stop < ends[last] else tail[:0]]
     if len(blocks) > 1 and start - before + len(new) + ends[last] - stop < BLOCK_ROWS // 4:
@@ -343,9 +332,9 @@ def _replaced(blocks: Run, start: int, stop: int, new: Array) -> list[Array]:
 def _cut(array: Array) -> list[Array]:
     """Cut a frozen array into blocks between half and one and a half times BLOCK_ROWS."""
     n = array.shape[0]
-    if _is_one(n):
+    count = max(1, round(n / BLOCK_ROWS))
+    if count == 1:
         return [array] if n else []
-    count = round(n / BLOCK_ROWS)
     marks = [n * k // count for k in range(count + 1)]
     blocks = []
     for start, stop in pairwise(marks):

@@ -55,8 +55,8 @@ def blocks_of(runs: Iterable[Run]) -> Iterator[Array]:
     return chain.from_iterable(runs)
 
 
-def place_of(runs: tuple[Run, ...], ends: tuple[int, ...], row: int) -> tuple[int, int, int]:
-    """Return the number of the run that has a row, of the block in it, and the block's first row.
+def place_of(runs: tuple[Run, ...], ends: tuple[int, ...], row: int) -> tuple[Array, int, int, int]:
+    """Return the block that has a row, its first row, the number of its run, and its number there.
 
     The row after the last belongs to the last block.
     """
@@ -66,9 +66,9 @@ def place_of(runs: tuple[Run, ...], ends: tuple[int, ...], row: int) -> tuple[in
     run, first = runs[g], ends[g - 1] if g else 0
     for k, block in enumerate(run[:-1]):
         if row < first + len(block):
-            return g, k, first
+            return block, first, g, k
         first += len(block)
-    return g, len(run) - 1, first
+    return run[-1], first, g, len(run) - 1
 
 
 def searched(runs: tuple[Run, ...], ends: tuple[int, ...], value: float, right: bool) -> int:

@@ -72,9 +72,9 @@ class SpliceList:
     @classmethod
     def unchecked(cls, starts: tuple[float, ...], stops: tuple[float, ...]) -> SpliceList:
         """Make a list of the ends of splices that are disjoint, in order and of positive length."""
-        new = cls.__new__(cls)
-        object.__setattr__(new, "_starts", starts)
-        object.__setattr__(new, "_stops", stops)
+        new = _new(cls)
+        _set(new, "_starts", starts)
+        _set(new, "_stops", stops)
         return new
 
     def __setattr__(self, name: str, value: object) -> None:
@@ -214,6 +214,7 @@ class SpliceList:
             raise InvariantError("splices must be disjoint, sorted and of positive length", self)
 
 
+_new, _set = object.__new__, object.__setattr__
 SpliceList.EMPTY = SpliceList()
 
 

@@ -225,25 +225,25 @@ def farthest(
     /,
 ) -> None: ...
 def insert_knot(
+    degree: int,
+    t: float,
+    start: float,
+    stop: float,
     knots: Array,
     at: int,
     points: Array,
-    point: int,
+    last: int,
     weights: Array | None,
-    weight: int,
-    degree: int,
-    t: float,
+    heaviest: int,
     new_knots: Array,
     new_points: Array,
     new_weights: Array | None,
     /,
-) -> tuple[float, float] | None: ...
-def place(runs: _Runs, ends: tuple[int, ...], row: int, /) -> tuple[int, int, int]: ...
+) -> tuple[tuple[float], tuple[float]] | None: ...
+def place(runs: _Runs, ends: tuple[int, ...], row: int, /) -> tuple[Array, int, int, int]: ...
 def searched(runs: _Runs, ends: tuple[int, ...], value: float, right: bool, /) -> int: ...
 def with_block(
     runs: _Runs, ends: tuple[int, ...], run: int, k: int, block: Array, /
 ) -> tuple[_Runs, tuple[int, ...]]: ...
 def joined(block: Array, start: int, stop: int, rows: Array, made: Array, /) -> None: ...
-def shared_rows(
-    runs: _Runs, ends: tuple[int, ...], others: _Runs, from_end: bool, /
-) -> int: ...
+def shared_rows(runs: _Runs, ends: tuple[int, ...], others: _Runs, from_end: bool, /) -> int: ...

@@ -9,7 +9,7 @@ bit, and the points are those of the polynomial curve.
 
 from __future__ import annotations
 
-from typing import NamedTuple, TypeAlias
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -20,10 +20,6 @@ from multirep.splices import SpliceList
 from multirep.splines import compiled
 from multirep.splines.polar import blossom, inner_knots
 from multirep.splines.rational import homogeneous
-
-
-#: A block of an array, and a row in it.
-Part: TypeAlias = tuple[Array, int]
 
 
 class Refined(NamedTuple):
@@ -70,8 +66,6 @@ def inserted(
     (array([0. , 0. , 0.5, 1. ]), '[0,1]')
     """
     if not compiled.active:
-        if len(new) == 1:
-            return _inserted_alone(knots, points, weights, degree, float(new[0]))
         return _many_inserted(knots, points, weights, degree, new)
     (n, d), m = points.shape, len(new)
     union, rows = np.empty(len(knots) + m), np.empty((n + m, d))
@@ -83,79 +77,90 @@ def inserted(
 
 
 def one_inserted(
-    knots: Part, points: Part, weights: Part | None, degree: int, t: float
-) -> tuple[Array, Array, Array | None, float, float] | None:
+    degree: int,
+    t: float,
+    within: Interval,
+    knots: Array,
+    at: int,
+    points: Array,
+    last: int,
+    weights: Array | None = None,
+    heaviest: int = 0,
+) -> tuple[Array, Array, Array | None, SpliceList] | None:
     """Insert one knot in blocks, each of which has all that takes part.
 
     Parameters
     ----------
-    knots : block and row
-        The row before which the new knot belongs, behind equal ones; p knots on either side.
-    points, weights : blocks and rows
-        The row of the last control point that acts there; p before it.
     degree : int
     t : float
         Strictly inside the domain.
+    within : Interval
+        The domain.
+    knots, at : (k,) array, int
+        The row before which the new knot belongs, behind equal ones; p knots on either side.
+    points, last : (n, d) array, int
+        The row of the last control point that acts there; p before it.
+    weights, heaviest : (m,) array, int, optional
+        The same for the weights.
 
     Returns
     -------
-    knots, points, weights, start, stop or None
-        New blocks, to be frozen, and from which knot to which control points act that are no old
-        ones, perhaps beyond the domain. None where the knot is there p times already.
+    knots, points, weights, splices or None
+        New blocks, to be frozen, and where control points act that are no old ones. None where the
+        knot is there p times already.
 
     Examples
     --------
     >>> knots, points = np.array([0, 0, 0, 1, 1, 1.0]), np.array([[0.0], [0.0], [1.0]])
-    >>> _, points, _, start, stop = one_inserted((knots, 3), (points, 2), None, 2, 0.5)
-    >>> points[:, 0], start, stop
-    (array([0. , 0. , 0.5, 1. ]), 0.0, 1.0)
+    >>> _, points, _, splices = one_inserted(2, 0.5, Interval(0, 1), knots, 3, points, 2)
+    >>> points[:, 0], str(splices)
+    (array([0. , 0. , 0.5, 1. ]), '[0,1]')
     """
     if not compiled.active:
-        return _one_inserted(knots, points, weights, degree, t)
-    (u, at), (rows, last) = knots, points
-    union, made = np.empty(len(u) + 1), np.empty((len(rows) + 1, rows.shape[1]))
-    w, heaviest, bottoms = None, 0, None
-    if weights is not None:
-        w, heaviest = weights
-        bottoms = np.empty(len(w) + 1)
+        return _one_inserted(degree, t, within, knots, at, points, last, weights, heaviest)
+    union, made = np.empty(len(knots) + 1), np.empty((len(points) + 1, points.shape[1]))
+    bottoms = None if weights is None else np.empty(len(weights) + 1)
     ends = compiled.core.insert_knot(
-        u, at, rows, last, w, heaviest, degree, t, union, made, bottoms
+        degree,
+        t,
+        within.start,
+        within.stop,
+        knots,
+        at,
+        points,
+        last,
+        weights,
+        heaviest,
+        union,
+        made,
+        bottoms,
     )
-    return None if ends is None else (union, made, bottoms, *ends)
-
-
-def _inserted_alone(
-    knots: Array, points: Array, weights: Array | None, p: int, t: float
-) -> Refined | None:
-    at = int(knots.searchsorted(t, "right"))
-    heavy = None if weights is None else (weights, at - 1)
-    found = _one_inserted((knots, at), (points, at - 1), heavy, p, t)
-    if found is None:
-        return None
-    union, rows, bottoms, start, stop = found
-    ends = max(start, knots[p]), min(stop, knots[len(points)])
-    return Refined(union, rows, bottoms, SpliceList([ends]))
+    return None if ends is None else (union, made, bottoms, SpliceList.unchecked(*ends))
 
 
 def _one_inserted(
-    knots: Part, points: Part, weights: Part | None, p: int, t: float
-) -> tuple[Array, Array, Array | None, float, float] | None:
+    p: int,
+    t: float,
+    within: Interval,
+    knots: Array,
+    at: int,
+    points: Array,
+    last: int,
+    weights: Array | None,
+    heaviest: int,
+) -> tuple[Array, Array, Array | None, SpliceList] | None:
     """Insert one knot with plain floats: for so few numbers they are faster than arrays."""
-    (union, at), (rows, last) = knots, points
-    u = union[at - p : at + p].tolist()
+    u = knots[at - p : at + p].tolist()
     times = u.count(t)
     if times >= p:
         return None
-    old = rows[last - p : last + 1].tolist()
-    w = [1.0] * (p + 1)
-    if weights is not None:
-        bottoms, heaviest = weights
-        w = bottoms[heaviest - p : heaviest + 1].tolist()
+    rows = points[last - p : last + 1].tolist()
+    w = [1.0] * (p + 1) if weights is None else weights[heaviest - p : heaviest + 1].tolist()
     made, below = [], []
     for i in range(1, p - times + 1):
         share = (t - u[i - 1]) / (u[i - 1 + p] - u[i - 1])
         rest = 1.0 - share
-        pairs = zip(old[i - 1], old[i], strict=True)
+        pairs = zip(rows[i - 1], rows[i], strict=True)
         if w[i - 1] == w[i]:
             below.append(w[i])
             made.append([rest * a + share * b for a, b in pairs])
@@ -164,15 +169,15 @@ def _one_inserted(
             made.append(
                 [(rest * (w[i - 1] * a) + share * (w[i] * b)) / below[-1] for a, b in pairs]
             )
-    # the old rows that the new ones stand for
+
+    def renewed(old: Array, new: list[Any], stop: int) -> Array:
+        return np.concatenate((old[: stop - p + 1], new, old[stop - times :]))
+
     return (
-        np.concatenate((union[:at], [t], union[at:])),
-        np.concatenate((rows[: last - p + 1], made, rows[last - times :])),
-        None
-        if weights is None
-        else np.concatenate((bottoms[: heaviest - p + 1], below, bottoms[heaviest - times :])),
-        u[0],
-        u[2 * p - 1 - times],
+        np.concatenate((knots[:at], [t], knots[at:])),
+        renewed(points, made, last),
+        None if weights is None else renewed(weights, below, heaviest),
+        SpliceList([(max(u[0], within.start), min(u[2 * p - 1 - times], within.stop))]),
     )
 
 

@@ -39,7 +39,11 @@ def knot_inserted(curve: N, t: float, times: int) -> Edit[N]:
     """Insert one knot, once or several times; flat in n."""
     if times_of(times) > 1:
         return knots_inserted(curve, [t] * min(times, curve.degree + 1))  # more are refused, too
-    t, domain = float(t), curve.domain
+    return _one_inserted(curve, float(t))
+
+
+def _one_inserted(curve: N, t: float) -> Edit[N]:
+    domain = curve.domain
     if not domain.start < t < domain.stop:
         _refuse_outside(domain, t)
     edit = _inserted_in_blocks(curve, t)
@@ -50,7 +54,7 @@ def knots_inserted(curve: N, knots: ArrayLike) -> Edit[N]:
     """Insert knots, each strictly inside T; cost: what changes, whatever lies between them."""
     new: Array = np.asarray(knots, dtype=np.float64)
     if new.size == 1:
-        return knot_inserted(curve, new.item(), 1)
+        return _one_inserted(curve, new.item())
     if not new.size:
         return Edit(curve, SpliceList.EMPTY)
     new, domain = np.sort(new, axis=None), curve.domain
@@ -67,33 +71,24 @@ def _inserted_in_blocks(curve: N, t: float) -> Edit[N] | None:
 
     None where it does not, or where the knot is there p times already.
     """
-    p, at = curve.degree, curve._knots.searchsorted(t, "right")
+    p, knots, points, weights = curve.degree, curve._knots, curve._points, curve._weights
+    at = knots.searchsorted(t, "right")
     last = at - 1  # of the control points that act there
-    knots, points = curve._knots.around(at - p, at + p, 1), curve._points.around(last - p, at, 1)
-    weights = None if curve._weights is None else curve._weights.around(last - p, at, 1)
-    if knots is None or points is None or (weights is None) != (curve._weights is None):
+    k, i = knots.around(at - p, at + p, 1), points.around(last - p, at, 1)
+    j = None if weights is None else weights.around(last - p, at, 1)
+    if k is None or i is None or (j is None and weights is not None):
         return None
-    found = one_inserted(
-        (knots[0], at - knots[1][2]),
-        (points[0], last - points[1][2]),
-        None if weights is None else (weights[0], last - weights[1][2]),
-        p,
-        t,
-    )
+    heavy, heaviest = (None, 0) if j is None else (j[0], last - j[1])
+    found = one_inserted(p, t, curve.domain, k[0], at - k[1], i[0], last - i[1], heavy, heaviest)
     if found is None:
         return None
-    union, rows, bottoms, start, stop = found
-    heavier = None
-    if curve._weights is not None and weights is not None and bottoms is not None:
-        heavier = curve._weights.with_block(weights[1], bottoms)
+    union, rows, bottoms, splices = found
+    if weights is not None and j is not None and bottoms is not None:
+        weights = weights.with_block(j, bottoms)
     value = curve._with(
-        knots=curve._knots.with_block(knots[1], union),
-        points=curve._points.with_block(points[1], rows),
-        weights=heavier,
+        knots=knots.with_block(k, union), points=points.with_block(i, rows), weights=weights
     )
-    domain = curve.domain
-    ends = max(start, domain.start), min(stop, domain.stop)
-    return Edit(value, SpliceList.unchecked(ends[:1], ends[1:]))
+    return Edit(value, splices)
 
 
 def _inserted_in_whole(curve: N, new: Array) -> Edit[N]:

@@ -85,9 +85,9 @@ class NurbsValue(SplineCurve):
         degree: int | None = None,
     ) -> Self:
         """Return a value with other arrays and the same domain; internal, nothing is checked."""
-        new = type(self).__new__(type(self))
-        state = vars(new)
-        state.update(vars(self))
+        new = object.__new__(type(self))
+        state = new.__dict__
+        state.update(self.__dict__)
         if degree is not None:
             state["degree"] = degree
         if knots is not None:
