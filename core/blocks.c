@@ -4,19 +4,19 @@ another block. An array is a tuple of runs, a run is a tuple of blocks; see mult
 
 #include <string.h>
 
-/* Of something that is no tuple, or has no such item, an error. All items are borrowed. */
+static Index items(Call *call, PyObject *tuple)
+{
+    expect(call, call->failed || PyTuple_Check(tuple), "tuples of runs of blocks are wanted");
+    return call->failed ? 0 : PyTuple_Size(tuple);
+}
+
+/* Borrowed; an error where there is none. */
 static PyObject *item(Call *call, PyObject *tuple, Index k)
 {
+    expect(call, call->failed || PyTuple_Check(tuple), "tuples of runs of blocks are wanted");
     PyObject *found = call->failed ? NULL : PyTuple_GetItem(tuple, k);
     call->failed |= !found;
     return found;
-}
-
-static Index items(Call *call, PyObject *tuple)
-{
-    Index count = call->failed ? 0 : PyTuple_Size(tuple);
-    call->failed |= count < 0;
-    return count;
 }
 
 static Index rows_in(Call *call, PyObject *block)

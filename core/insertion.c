@@ -209,9 +209,9 @@ METHOD(core_insert_knot)
     Table made[3] = {output(&call, values[10]), output(&call, values[11]),
                      output_or_none(&call, values[12])};
     expect(&call,
-           p >= 1 && at >= p && at + p <= knots.rows && knots.columns == 1 && last >= p &&
-               last < points.rows && made[0].rows == knots.rows + 1 && made[0].columns == 1 &&
-               made[1].rows == points.rows + 1 && made[1].columns == d &&
+           p >= 1 && at >= p && p <= knots.rows && at <= knots.rows - p && last >= p &&
+               last < points.rows && knots.columns == 1 && made[0].rows == knots.rows + 1 &&
+               made[0].columns == 1 && made[1].rows == points.rows + 1 && made[1].columns == d &&
                !weights.at == !made[2].at,
            "a knot needs its neighbours in one block, and room");
     expect(&call,

@@ -256,7 +256,7 @@ class BlockArray(NDArrayOperatorsMixin):
 
     def with_block(self, place: Place, block: Array) -> BlockArray:
         """Return a version with another block at a place that `around` has found; freezes it."""
-        block.setflags(False)  # no longer writeable; without the keyword in half the time
+        block.setflags(write=False)
         runs, ends = with_block(self._runs, self._ends, place[2], place[3], block)
         return _new(BlockArray)._set(runs, ends, self._tail)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pickle
+from bisect import bisect_left, bisect_right
 from itertools import takewhile
 
 import numpy as np
@@ -80,6 +81,37 @@ def test_replaced_agrees_with_flat_numpy(columns: int, data: st.DataObject, rows
         assert all(len(b) for b in block.blocks), "no empty block"
         check_runs(block)
         assert not any(b.flags.writeable for b in block.blocks)
+
+
+@pytest.mark.parametrize("columns", [0, 2])
+@given(data=st.data(), rows=st.integers(100, 600))
+def test_splices_at_borders_copy_what_they_touch(
+    columns: int, data: st.DataObject, rows: int
+) -> None:
+    """In long arrays, at the ends of blocks and runs and beside them, growing and shrinking: the
+    same rows as in a flat array, blocks between bounds, and all others the same objects.
+    """
+    block, plain = BlockArray.of(flat(rows, columns)), flat(rows, columns)
+    for step in range(data.draw(st.integers(1, 8))):
+        borders = np.cumsum([0, *map(len, block.blocks)]).tolist()
+        first = data.draw(st.integers(0, len(borders) - 1))
+        last = min(first + data.draw(st.integers(0, 2)), len(borders) - 1)
+        beside = st.integers(-2, 2)
+        start = min(max(borders[first] + data.draw(beside), 0), len(plain))
+        stop = min(max(borders[last] + data.draw(beside), start), len(plain))
+        new = -1.0 - 1000 * step - flat(data.draw(st.integers(0, 12)), columns)
+        before, block = block, block.replaced(start, stop, new)
+        plain = np.concatenate([plain[:start], new, plain[stop:]])
+        np.testing.assert_array_equal(np.asarray(block), plain)
+        check_runs(block)
+        lengths = [len(b) for b in block.blocks]
+        assert max(lengths) < 12
+        assert min(lengths) >= 2
+        touched = max(bisect_left(borders, stop) - bisect_right(borders, start) + 1, 1)
+        known = {id(b) for b in before.blocks}
+        fresh = [len(b) for b in block.blocks if id(b) not in known]
+        assert len(before.blocks) - (len(lengths) - len(fresh)) <= touched + 1
+        assert sum(fresh) <= len(new) + 12 * (touched + 1)
 
 
 @pytest.mark.parametrize("columns", [0, 3])

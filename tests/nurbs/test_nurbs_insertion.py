@@ -197,11 +197,81 @@ def test_the_core_is_called_once_a_window(rational: bool, monkeypatch: pytest.Mo
     watched = Watched()
     monkeypatch.setattr(boehm, "compiled", type("", (), {"active": True, "core": watched}))
     curve.insert_knot(0.3)
-    assert calls == ["insert_knots"]
+    assert calls == ["insert_knot"]
     for new, windows in ((np.linspace(0.3, 0.4, 100), 1), (np.array([0.1, 0.5, 0.9]), 3)):
         calls.clear()
         curve.insert_knots(new)
         assert calls == ["insert_knots"] * windows
+
+
+@pytest.mark.skipif(compiled.core is None, reason="the core was not built")
+@pytest.mark.parametrize("rational", [False, True])
+def test_one_knot_takes_the_same_calls_in_a_curve_of_any_length(
+    rational: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """One search, and of each array one block is found (where there are several), and exchanged."""
+    core, calls = compiled.core, []
+
+    class Watched:
+        def __getattr__(self, name: str) -> object:
+            calls.append(name)
+            return getattr(core, name)
+
+    curves = [long_curve(rational, blocks) for blocks in (1, 12, 100)]
+    monkeypatch.setattr(compiled, "active", True)
+    monkeypatch.setattr(compiled, "core", Watched())
+    arrays = 3 if rational else 2
+    for curve in curves:
+        calls.clear()
+        curve.insert_knot(0.3137)
+        several = len(curve.knots.blocks) > 1
+        places = ["place"] * arrays * several
+        assert calls == ["searched", *places, "insert_knot", *["with_block"] * arrays]
+
+
+@pytest.mark.parametrize("rational", [False, True])
+@pytest.mark.parametrize("active", [True, False])
+def test_one_knot_in_its_blocks_is_one_knot_in_a_window(
+    rational: bool, active: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The same bits and splices, in the middle of blocks, at their borders and at both ends; no
+    more than a block of each array is copied where all lies in one.
+    """
+    if active and compiled.core is None:
+        pytest.skip("the core was not built")
+    monkeypatch.setattr(compiled, "active", active)
+    curve = long_curve(rational, 3)
+    knots = np.asarray(curve.knots)
+    rows = np.arange(BLOCK_ROWS - 8, BLOCK_ROWS + 8)
+    rows = np.concatenate((np.arange(3, 9), rows, [1500], rows + BLOCK_ROWS, curve.size - rows[:6]))
+    middles = (knots[rows] + knots[rows + 1])[knots[rows] < knots[rows + 1]] / 2
+    found = []
+    for in_blocks in (True, False):
+        if not in_blocks:
+            monkeypatch.setattr(insertion, "_inserted_in_blocks", lambda curve, t: None)
+        found.append([curve.insert_knot(t) for t in middles.tolist()])
+    for one, two in zip(*found, strict=True):
+        assert bits(one.value) == bits(two.value)
+        assert one.splices == two.splices
+    for edit in found[0]:
+        pairs = [(curve.knots, edit.value.knots), (curve.points, edit.value.points)]
+        for old, new in pairs + [(curve.weights, edit.value.weights)] * rational:
+            known = set(map(id, old.blocks))
+            assert sum(id(block) not in known for block in new.blocks) <= 2
+
+
+@given(curves(), st.integers(1, 127).map(lambda k: k / 128))
+def test_one_knot_is_what_scipy_inserts_and_the_same_curve(curve: Nurbs, t: float) -> None:
+    """Against `BSpline.insert_knot`, to rounding; the same points everywhere."""
+    before = np.asarray(curve.knots)
+    assume(len(allowed(curve, [t])) > 0 and before[0] == 0.0 and before[-1] == 1.0)
+    spline = BSpline(before, rows(curve), curve.degree).insert_knot(t)
+    value = curve.insert_knot(t).value
+    assert (np.asarray(value.knots) == spline.t).all()
+    scale = max(1.0, float(np.abs(spline.c).max()))
+    assert np.abs(rows(value) - spline.c[: value.size]).max() <= 1e-13 * scale
+    at = np.linspace(0, 1, 65)
+    assert np.abs(value(at) - curve(at)).max() <= 1e-12 * scale
 
 
 @given(curves(), new_knots)
