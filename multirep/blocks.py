@@ -257,8 +257,11 @@ class BlockArray(NDArrayOperatorsMixin):
     def with_block(self, place: Place, block: Array) -> BlockArray:
         """Return a version with another block at a place that `around` has found; freezes it."""
         block.setflags(write=False)
-        runs, ends = with_block(self._runs, self._ends, place[2], place[3], block)
-        return _new(BlockArray)._set(runs, ends, self._tail)
+        new = _new(BlockArray)  # not by `_set`: as many blocks as before
+        new._runs, new._ends = with_block(self._runs, self._ends, place[2], place[3], block)
+        new._rows, new._tail = new._ends[-1], self._tail
+        new._only = None if self._only is None else block
+        return new
 
     def _joined(self, block: Array, start: int, stop: int, new: Array) -> Array:
         """Return a block in which new rows stand for rows start .. stop - 1."""
