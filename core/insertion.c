@@ -193,8 +193,8 @@ METHOD(core_insert_knot)
     /* Degree, the new knot, both ends of the domain; a block of knots and the row before which it
     belongs; of control points, and of weights or None, with the row of the last one that acts there;
     new blocks to be filled. All that take part lie in these blocks: p knots on either side and p + 1
-    control points. Returns where the interval begins and ends on which new control points act, a
-    tuple each, or None when the knot is there p times. */
+    control points. Returns where the interval begins and ends on which new control points act, or
+    None when the knot is there p times. */
     Call call;
     begin(&call, count, 13);
     if (call.failed)
@@ -238,6 +238,6 @@ METHOD(core_insert_knot)
     for (Index i = 0; i < fresh; i++)
         row_between(&local, local_weights, i, t, made[1].at + (second + i) * d,
                     bottoms ? bottoms + i : NULL);
-    return finish(&call, Py_BuildValue("(d)(d)", larger(knots.at[at - p], start),
+    return finish(&call, Py_BuildValue("dd", larger(knots.at[at - p], start),
                                        smaller(knots.at[at + p - 1 - times], stop)));
 }

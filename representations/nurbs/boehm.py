@@ -135,7 +135,10 @@ def one_inserted(
         made,
         bottoms,
     )
-    return None if ends is None else (union, made, bottoms, SpliceList.unchecked(*ends))
+    if ends is None:
+        return None
+    start, stop = ends
+    return union, made, bottoms, SpliceList.unchecked((start,), (stop,))
 
 
 def _one_inserted(
