@@ -127,6 +127,11 @@ class BlockArray(NDArrayOperatorsMixin):
         """The blocks in runs of neighbours, tuples; versions share whole runs too."""
         return self._runs
 
+    @property
+    def ends(self) -> tuple[int, ...]:
+        """The row after each run."""
+        return self._ends
+
     def window(self, start: int, stop: int) -> Array:
         """Rows start..stop-1, contiguous and read-only; no copy when they lie in one block.
 
@@ -236,8 +241,8 @@ class BlockArray(NDArrayOperatorsMixin):
         low, high = (place_of(runs, self._ends, row)[2] for row in (start, max(stop - 1, start)))
         first = self._ends[low - 1] if low else 0
         blocks = _replaced(tuple(blocks_of(runs[low : high + 1])), start - first, stop - first, new)
-        runs = renewed(runs, low, high + 1, blocks)
-        return _new(BlockArray)._set(runs, ends_of(runs), self._tail)
+        runs, ends = renewed(runs, self._ends, low, high + 1, blocks)
+        return _new(BlockArray)._set(runs, ends, self._tail)
 
     def around(self, start: int, stop: int, more: int) -> Place | None:
         """Return the block that has rows start .. stop - 1, with its place.

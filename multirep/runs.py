@@ -38,8 +38,13 @@ def ends_of(runs: tuple[Run, ...]) -> tuple[int, ...]:
     return tuple(accumulate(map(rows_of, runs)))
 
 
-def renewed(runs: tuple[Run, ...], low: int, high: int, blocks: Sequence[Array]) -> tuple[Run, ...]:
-    """Put some blocks in the place of runs low .. high - 1, and leave no run too short."""
+def renewed(
+    runs: tuple[Run, ...], ends: tuple[int, ...], low: int, high: int, blocks: Sequence[Array]
+) -> tuple[tuple[Run, ...], tuple[int, ...]]:
+    """Return runs, none too short, with some blocks instead of runs low .. high - 1; their ends.
+
+    Cost: O(blocks that are given, and runs).
+    """
     if len(blocks) < RUN_BLOCKS // 4:
         if high < len(runs):
             blocks = (*blocks, *runs[high])
@@ -47,7 +52,11 @@ def renewed(runs: tuple[Run, ...], low: int, high: int, blocks: Sequence[Array])
         elif low:
             low -= 1
             blocks = (*runs[low], *blocks)
-    return (*runs[:low], *runs_of(blocks), *runs[high:])
+    made = runs_of(blocks)
+    marks = [*accumulate(map(rows_of, made), initial=ends[low - 1] if low else 0)]
+    more = marks[-1] - ends[high - 1]
+    after = [end + more for end in ends[high:]]
+    return (*runs[:low], *made, *runs[high:]), (*ends[:low], *marks[1:], *after)
 
 
 def blocks_of(runs: Iterable[Run]) -> Iterator[Array]:
@@ -64,11 +73,9 @@ def place_of(runs: tuple[Run, ...], ends: tuple[int, ...], row: int) -> tuple[Ar
         return compiled.core.place(runs, ends, row)
     g = min(bisect_right(ends, row), len(runs) - 1)
     run, first = runs[g], ends[g - 1] if g else 0
-    for k, block in enumerate(run[:-1]):
-        if row < first + len(block):
-            return block, first, g, k
-        first += len(block)
-    return run[-1], first, g, len(run) - 1
+    firsts = [*accumulate(map(len, run[:-1]), initial=first)]
+    k = bisect_right(firsts, row) - 1
+    return run[k], firsts[k], g, k
 
 
 def searched(runs: tuple[Run, ...], ends: tuple[int, ...], value: float, right: bool) -> int:

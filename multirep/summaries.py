@@ -29,6 +29,8 @@ class Summaries(Generic[B, R]):
     ----------
     runs : tuple of Run
         What was summarized.
+    ends : tuple of int
+        The row after each run.
     blocks : tuple of tuples
         The summaries of the blocks of each run.
     wholes : tuple
@@ -46,6 +48,7 @@ class Summaries(Generic[B, R]):
     """
 
     runs: tuple[Run, ...] = ()
+    ends: tuple[int, ...] = ()
     blocks: tuple[tuple[B, ...], ...] = ()
     wholes: tuple[R, ...] = ()
 
@@ -62,7 +65,7 @@ class Summaries(Generic[B, R]):
             if len(old) == 1 and len(old[0]) == 1 and old[0][0] is block:
                 return self
             one = (of_block(block),)
-            return type(self)(new, (one,), (of_run(one),))
+            return type(self)(new, array.ends, (one,), (of_run(one),))
         head, tail = shared_ends(old, new)
         if head == len(old) == len(new):
             return self
@@ -76,6 +79,7 @@ class Summaries(Generic[B, R]):
         parts = [tuple(islice(each, len(run))) for run in new[low:stop]]
         return type(self)(
             new,
+            array.ends,
             (*self.blocks[:low], *parts, *self.blocks[high:]),
             (*self.wholes[:low], *map(of_run, parts), *self.wholes[high:]),
         )

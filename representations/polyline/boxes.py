@@ -125,7 +125,7 @@ class BlockBoxes:
             Cost: O(runs), O(blocks) of the runs that are hit, O(leaves) of the blocks that are.
         """
         of = self.of_blocks
-        rows = np.array([0, *map(rows_of, of.runs)]).cumsum().tolist()
+        rows = (0, *of.ends)
         lows = np.array([boxes.lows.min(axis=0) for boxes in of.wholes])
         highs = np.array([boxes.highs.max(axis=0) for boxes in of.wholes])
         firsts = [run[0][:1] for run in of.runs]

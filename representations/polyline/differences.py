@@ -8,7 +8,7 @@ import numpy as np
 
 from multirep.arrays import Array
 from multirep.blocks import BLOCK_ROWS, BlockArray
-from multirep.runs import Run, rows_of
+from multirep.runs import Run
 from multirep.splices import SpliceList
 from multirep.splines import compiled
 
@@ -103,12 +103,12 @@ def _shared(a: BlockArray, b: BlockArray) -> list[tuple[int, int, int]]:
     common = {id(run) for run in a.runs} & {id(run) for run in b.runs}
     where: dict[int, int] = {}
     row = 0
-    for piece, rows in _pieces(b.runs, common):
+    for piece, rows in _pieces(b, common):
         where[id(piece)] = row
         row += rows
     runs: list[tuple[int, int, int]] = []
     row = 0
-    for piece, rows in _pieces(a.runs, common):
+    for piece, rows in _pieces(a, common):
         stop = row + rows
         other = where.get(id(piece))
         if other is not None:
@@ -120,13 +120,15 @@ def _shared(a: BlockArray, b: BlockArray) -> list[tuple[int, int, int]]:
     return runs
 
 
-def _pieces(runs: tuple[Run, ...], common: set[int]) -> Iterator[tuple[Run | Array, int]]:
-    """Yield runs that both have as they are, and of the others the blocks, with their rows."""
-    for run in runs:
+def _pieces(array: BlockArray, common: set[int]) -> Iterator[tuple[Run | Array, int]]:
+    """Yield runs that both have as they are, of the others the blocks, and how many rows each has."""
+    start = 0
+    for run, stop in zip(array.runs, array.ends, strict=True):
         if id(run) in common:
-            yield run, rows_of(run)
+            yield run, stop - start
         else:
             yield from zip(run, map(len, run), strict=True)
+        start = stop
 
 
 def _both(
