@@ -80,7 +80,7 @@ class BlockArray(NDArrayOperatorsMixin):
         if isinstance(values, BlockArray):
             return values
         array = frozen_array(values)
-        if 0 < len(array) <= BLOCK_ROWS:
+        if 0 < 2 * len(array) < 3 * BLOCK_ROWS:
             return _new(BlockArray)._set(((array,),), (len(array),), array.shape[1:])
         return cls(_cut(array), array.shape[1:])
 

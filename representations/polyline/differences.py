@@ -121,7 +121,7 @@ def _shared(a: BlockArray, b: BlockArray) -> list[tuple[int, int, int]]:
 
 
 def _pieces(array: BlockArray, common: set[int]) -> Iterator[tuple[Run | Array, int]]:
-    """Yield runs that both have as they are, of the others the blocks, and how many rows each has."""
+    """Yield runs that both have as they are, of the others the blocks; and the rows of each."""
     start = 0
     for run, stop in zip(array.runs, array.ends, strict=True):
         if id(run) in common:
