@@ -234,8 +234,8 @@ def test_one_knot_takes_the_same_calls_in_a_curve_of_any_length(
 def test_one_knot_in_its_blocks_is_one_knot_in_a_window(
     rational: bool, active: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """The same bits and splices, in the middle of blocks, at their borders and at both ends; no
-    more than a block of each array is copied where all lies in one.
+    """The same bits and splices, at knots and between them, in the middle of blocks, at their
+    borders and at both ends; a block or two of each array are copied.
     """
     if active and compiled.core is None:
         pytest.skip("the core was not built")
@@ -244,12 +244,13 @@ def test_one_knot_in_its_blocks_is_one_knot_in_a_window(
     knots = np.asarray(curve.knots)
     rows = np.arange(BLOCK_ROWS - 8, BLOCK_ROWS + 8)
     rows = np.concatenate((np.arange(3, 9), rows, [1500], rows + BLOCK_ROWS, curve.size - rows[:6]))
-    middles = (knots[rows] + knots[rows + 1])[knots[rows] < knots[rows + 1]] / 2
+    rows = rows[knots[rows] < knots[rows + 1]]
+    places = np.concatenate(((knots[rows] + knots[rows + 1]) / 2, knots[rows[knots[rows] > 0]]))
     found = []
     for in_blocks in (True, False):
         if not in_blocks:
             monkeypatch.setattr(insertion, "_inserted_in_blocks", lambda curve, t: None)
-        found.append([curve.insert_knot(t) for t in middles.tolist()])
+        found.append([curve.insert_knot(t) for t in places.tolist()])
     for one, two in zip(*found, strict=True):
         assert bits(one.value) == bits(two.value)
         assert one.splices == two.splices
