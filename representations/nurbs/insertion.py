@@ -74,6 +74,7 @@ def _inserted_in_blocks(curve: N, t: float) -> Edit[N] | None:
     p, knots, points, weights = curve.degree, curve._knots, curve._points, curve._weights
     at = knots.searchsorted(t, "right")
     last = at - 1  # of the control points that act there
+    # of each array a block, its first row, and where it is
     k, i = knots.around(at - p, at + p, 1), points.around(last - p, at, 1)
     j = None if weights is None else weights.around(last - p, at, 1)
     if k is None or i is None or (j is None and weights is not None):
