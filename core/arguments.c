@@ -145,7 +145,7 @@ Index integer(Call *call, PyObject *number)
 {
     if (call->failed)
         return 0;
-    Index value = PyLong_AsSsize_t(number);
+    Index value = PyNumber_AsSsize_t(number, PyExc_OverflowError); /* of numpy's integers, too */
     call->failed = value == -1 && PyErr_Occurred();
     return value;
 }

@@ -147,6 +147,19 @@ def test_reading_agrees_with_flat_numpy(columns: int, data: st.DataObject, rows:
     np.testing.assert_array_equal(np.asarray(again), plain)
 
 
+@pytest.mark.parametrize("rows", [5, 100])
+def test_numbers_of_rows_may_be_numpys(rows: int) -> None:
+    """As what `searchsorted` or `nonzero` return; in one block and in several."""
+    a, low, high = BlockArray.of(flat(rows)), np.int64(2), np.intp(rows - 1)
+    np.testing.assert_array_equal(a.window(low, high), flat(rows)[low:high])
+    for start, stop in ((low, high), (low, low), (low, low + 1)):
+        b = a.replaced(start, stop, [-1.0])
+        np.testing.assert_array_equal(
+            b, np.concatenate((flat(rows)[:start], [-1.0], flat(rows)[stop:]))
+        )
+    assert a.searchsorted(np.float64(2.0)) == 2
+
+
 @pytest.mark.parametrize("key", [5, -6])
 def test_an_index_out_of_range_is_an_index_error(key: int) -> None:
     """As with numpy, with the number in the message."""
