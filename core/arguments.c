@@ -65,7 +65,7 @@ double *scratch(Call *call, Index count) { return block(call, (size_t)count * si
 
 Index *index_scratch(Call *call, Index count) { return block(call, (size_t)count * sizeof(Index)); }
 
-/* Open a view; what does not lie row after row is copied. */
+/* Open a view; what does not lie row after row, or at odd addresses (numpy says "=d"), is copied. */
 static void *opened(Call *call, PyObject *array, int flags, const char *formats, Py_buffer **view)
 {
     if (call->failed)
@@ -80,14 +80,15 @@ static void *opened(Call *call, PyObject *array, int flags, const char *formats,
         return NULL;
     }
     call->opened++;
-    if (found->itemsize != 8 || !found->format || !found->format[0] ||
-        !strchr(formats, found->format[0])) {
+    int odd = found->format && found->format[0] == '=' && !(flags & PyBUF_WRITABLE);
+    const char *format = found->format ? found->format + odd : "";
+    if (found->itemsize != 8 || !format[0] || !strchr(formats, format[0])) {
         PyErr_Format(PyExc_TypeError, "expected an array of format %s, got %s", formats,
                      found->format ? found->format : "bytes");
         call->failed = 1;
         return NULL;
     }
-    if (PyBuffer_IsContiguous(found, 'C'))
+    if (!odd && PyBuffer_IsContiguous(found, 'C'))
         return found->buf;
     void *copy = block(call, (size_t)found->len);
     if (copy && PyBuffer_ToContiguous(copy, found, found->len, 'C') < 0) {

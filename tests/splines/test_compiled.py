@@ -820,14 +820,19 @@ def test_a_far_parameter_is_found_from_anywhere() -> None:
 
 
 def test_arrays_may_lie_anywhere() -> None:
-    """Strided, reversed, read-only: what is read need not lie row after row."""
+    """Strided, reversed, read-only, at odd addresses: what is read need not lie row after row."""
     knots = np.array([0, 0, 0, 1, 2, 2, 2.0])
     wide = np.arange(24.0).reshape(4, 6)
     spans, arguments = np.array([2, 3]), np.array([[0.5, 0.25], [1.5, 1.25]])
     with core(True):
         there = blossom(knots, wide[:, ::-2], 2, spans, arguments.T.copy().T)
         plain = blossom(knots, wide[:, ::-2].copy(), 2, spans, arguments)
+        odd = np.ndarray(knots.shape, np.float64, b"odd" + knots.tobytes(), 3)
+        beside = blossom(odd, wide[:, ::-2], 2, spans, arguments)
     assert same(there, plain)
+    assert same(beside, plain)
+    with pytest.raises(TypeError, match="array of format d, got =d"):
+        compiled.core.halves(knots, knots, np.ndarray((7,), np.float64, bytearray(64), 3))
 
 
 def test_everything_works_without_the_core() -> None:
