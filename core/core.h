@@ -109,11 +109,12 @@ static inline Index interval_at(const double *at, Index low, Index high, Index f
 
 typedef struct {
     const double **blocks;
-    Index *begins; /* the first row of each block, and the row after the last */
+    double *firsts; /* the first number of each block */
+    Index *begins;  /* the first row of each block, and the row after the last */
     Index count, columns, current;
 } Rope;
 
-/* Of an array, or of a tuple of arrays that lie row after row. */
+/* Of an array, of a tuple of arrays that lie row after row, or a rope that was made before. */
 Rope rope_of(Call *call, PyObject *arrays);
 static inline Index rope_length(const Rope *rope)
 {
@@ -257,6 +258,7 @@ int solve_banded(double *band, double *right, Index count, Index bandwidth, Inde
 METHOD(core_find_spans);
 METHOD(core_basis_functions);
 METHOD(core_blossom);
+METHOD(core_rope);
 METHOD(core_points);
 METHOD(core_capsule);
 METHOD(core_near);

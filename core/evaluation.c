@@ -103,14 +103,14 @@ static Index span_near(Reader *reader, double t)
     Rope *knots = &reader->knots;
     Index b = knots->current, last = knots->count - 1;
     /* the last block that begins before t */
-    int ahead = before(reader, knots->blocks[b][0], t);
-    if (ahead && b < last && before(reader, knots->blocks[b + 1][0], t))
-        ahead = ++b == last || !before(reader, knots->blocks[b + 1][0], t);
+    int ahead = before(reader, knots->firsts[b], t);
+    if (ahead && b < last && before(reader, knots->firsts[b + 1], t))
+        ahead = ++b == last || !before(reader, knots->firsts[b + 1], t);
     if (!ahead) {
         Index low = 0, high = last;
         while (low < high) {
             Index middle = low + (high - low + 1) / 2;
-            if (before(reader, knots->blocks[middle][0], t))
+            if (before(reader, knots->firsts[middle], t))
                 low = middle;
             else
                 high = middle - 1;
@@ -290,7 +290,7 @@ static void sort_roughly(const double *t, Index first, Index count, double low, 
 
 METHOD(core_points)
 {
-    /* knots, points, weights or None (each an array, or a tuple of blocks), degree, t (m,) or a
+    /* knots, points, weights or None (each an array, a tuple of blocks, or a rope), degree, t (m,) or a
     number, the order of the derivative (0 with weights), whether the left side is meant, whether a
     control point at a knot of full multiplicity is the curve's point there, found (m, d) */
     Call call;
@@ -326,13 +326,13 @@ METHOD(core_points)
            !reader.rational || (rope_length(&reader.weights) == n && reader.weights.columns == 1),
            "a weight for each point is wanted");
     expect(&call, found.rows * found.columns == m * d, "room for a point a parameter is wanted");
-    reader.knot_room = scratch(&call, 2 * p);
-    reader.point_room = scratch(&call, (p + 1) * d);
-    reader.weight_room = scratch(&call, p + 1);
-    reader.net_room = scratch(&call, (p + 1) * (d + 1));
-    reader.basis = scratch(&call, p + 1 + d + 1);
+    reader.knot_room = scratch(&call, 2 * p + (p + 1) * (2 * d + 3) + d + 1);
     if (call.failed)
         return finish(&call, NULL);
+    reader.point_room = reader.knot_room + 2 * p;
+    reader.weight_room = reader.point_room + (p + 1) * d;
+    reader.net_room = reader.weight_room + p + 1;
+    reader.basis = reader.net_room + (p + 1) * (d + 1);
     double low = knot_at(&reader.knots, p), high = knot_at(&reader.knots, n);
     reader.first = p;
     while (reader.first < n - 1 && !(knot_at(&reader.knots, reader.first + 1) > low))
@@ -340,9 +340,9 @@ METHOD(core_points)
     reader.last = n - 1;
     while (reader.last > reader.first && !(knot_at(&reader.knots, reader.last) < high))
         reader.last--;
-    reader.near = reader.span = reader.first;
+    reader.near = reader.first;
+    reader.span = -1;
     reader.low = INFINITY;
-    enter(&reader, reader.first);
     if (m < FEW || !(high > low) || in_order(t, m)) {
         Wanted wanted[GROUP];
         for (Index r = 0; r < m; r += GROUP) {

@@ -7,6 +7,7 @@ static PyMethodDef methods[] = {
     ENTRY(find_spans),
     ENTRY(basis_functions),
     ENTRY(blossom),
+    ENTRY(rope),
     ENTRY(points),
     ENTRY(capsule),
     ENTRY(near),

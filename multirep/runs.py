@@ -5,8 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 from itertools import accumulate, chain, islice, pairwise, takewhile
 from operator import is_
+from typing import TYPE_CHECKING
 
 from multirep.arrays import Array
+from multirep.splines import compiled
+
+if TYPE_CHECKING:
+    from multirep.splines._core import Rope
 
 #: Blocks in a full run. An edit copies the list of one run and the list of all: at 10**6 rows in
 #: blocks of 1024, both are about this long.
@@ -24,15 +29,24 @@ class Run:
     ((3, 7), 7)
     """
 
-    __slots__ = ("blocks", "ends", "rows")
+    __slots__ = ("_rope", "blocks", "ends", "rows")
     blocks: tuple[Array, ...]
     ends: tuple[int, ...]
     rows: int
+    _rope: Rope | None
 
     def __init__(self, blocks: tuple[Array, ...], ends: tuple[int, ...] = ()) -> None:
         self.blocks = blocks
         self.ends = ends or tuple(accumulate(map(len, blocks)))
         self.rows = self.ends[-1]
+        self._rope = None
+
+    @property
+    def rope(self) -> Rope:
+        """The blocks as the core reads them, only with it; made when first asked for."""
+        if self._rope is None:
+            self._rope = compiled.core.rope(self.blocks)
+        return self._rope
 
     def with_block(self, k: int, block: Array) -> Run:
         """Return the run with another block of the same length in the place of block ``k``."""

@@ -95,6 +95,12 @@ class SplineCurve(Representation):
         return nearest_in_tree(self, self._tree, point)
 
     def _point_at(self, t: float) -> Array:
+        if compiled.active:
+            stored = self._in_blocks()
+            if stored is not None:
+                found = np.empty(self.dimension)
+                _core_points(*stored, self.degree, t, found)
+                return found
         span = self.span(t)
         return curve_point(*self._window(span, span), self.degree, t)
 
@@ -109,12 +115,8 @@ class SplineCurve(Representation):
         if compiled.active and spans > LONG and spans > MUCH * self.size:
             stored = self._in_blocks()
             if stored is not None:
-                knots, points, weights = stored
-                own = None if weights is None else weights.blocks
                 found = np.empty((count, self.dimension))
-                compiled.core.points(
-                    knots.blocks, points.blocks, own, self.degree, t, 0, False, True, found
-                )
+                _core_points(*stored, self.degree, t, found)
                 return found
         return curve_points(*self._window(first, last), self.degree, t)
 
@@ -126,3 +128,16 @@ class SplineCurve(Representation):
             parts = np.split(t, len(t))
             return np.concatenate([self._derivatives_at(part, order, side) for part in parts])
         return curve_derivative(*self._window(first, last), self.degree, t, order, side)
+
+
+def _core_points(
+    knots: BlockArray,
+    points: BlockArray,
+    weights: BlockArray | None,
+    degree: int,
+    t: float | Array,
+    found: Array,
+) -> None:
+    """Read a spline where its blocks are; as `curve_points`, bit for bit."""
+    own = None if weights is None else weights.rope
+    compiled.core.points(knots.rope, points.rope, own, degree, t, 0, False, True, found)

@@ -2,14 +2,18 @@
 
 from multirep.splines.arrays import Array, IntArray
 
+class Rope:
+    """The rows of blocks, end to end."""
+
+def rope(parts: tuple[Array, ...] | tuple[Rope, ...], /) -> Rope: ...
 def find_spans(knots: Array, degree: int, t: Array, spans: IntArray, /) -> None: ...
 def basis_functions(
     knots: Array, degree: int, t: Array, spans: IntArray, values: Array, /
 ) -> None: ...
 def points(
-    knots: Array | tuple[Array, ...],
-    points: Array | tuple[Array, ...],
-    weights: Array | tuple[Array, ...] | None,
+    knots: Array | tuple[Array, ...] | Rope,
+    points: Array | tuple[Array, ...] | Rope,
+    weights: Array | tuple[Array, ...] | Rope | None,
     degree: int,
     t: Array | float,
     order: int,
@@ -173,7 +177,9 @@ def insert_knots(
     /,
 ) -> tuple[list[float], list[float]] | None: ...
 def halves(starts: Array, stops: Array, middles: Array, /) -> None: ...
-def interpolate(t: Array, points: Array, at: Array, found: Array, /) -> None: ...
+def interpolate(
+    t: Array | Rope, points: Array | Rope, at: Array | float, found: Array, /
+) -> None: ...
 def kinks(t: Array, points: Array, limit: float, /) -> list[float]: ...
 def simplify(
     t: Array, values: Array, targets: Array, allowed: Array, keep: IntArray, rounds: int, /
