@@ -95,6 +95,26 @@ static Index count_before(const Reader *reader, const double *knots, Index count
     return low;
 }
 
+/* The last block of knots that begins before t; first it is looked for where it would be if all were
+equally long. */
+static Index block_before(const Reader *reader, double t)
+{
+    const double *firsts = reader->knots.firsts;
+    Index low = 0, high = reader->knots.count - 1;
+    double share = (t - firsts[0]) / (firsts[high] - firsts[0]);
+    Index middle = share > 0.0 && share < 1.0 ? (Index)(share * (double)high) : 0;
+    while (low < high) {
+        if (before(reader, firsts[middle], t))
+            low = middle;
+        else
+            high = middle - 1;
+        if (low == high || !before(reader, firsts[low + 1], t))
+            break;
+        middle = low + (high - low + 1) / 2;
+    }
+    return low;
+}
+
 /* The span of a parameter, near the one at hand or far. */
 static Index span_near(Reader *reader, double t)
 {
@@ -106,17 +126,8 @@ static Index span_near(Reader *reader, double t)
     int ahead = before(reader, knots->firsts[b], t);
     if (ahead && b < last && before(reader, knots->firsts[b + 1], t))
         ahead = ++b == last || !before(reader, knots->firsts[b + 1], t);
-    if (!ahead) {
-        Index low = 0, high = last;
-        while (low < high) {
-            Index middle = low + (high - low + 1) / 2;
-            if (before(reader, knots->firsts[middle], t))
-                low = middle;
-            else
-                high = middle - 1;
-        }
-        b = low;
-    }
+    if (!ahead)
+        b = block_before(reader, t);
     knots->current = b;
     Index begin = knots->begins[b], count = knots->begins[b + 1] - begin;
     Index guess = at_most(at_least(reader->near + 1 - begin, 0), count);

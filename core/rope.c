@@ -67,6 +67,18 @@ static void append_array(Call *call, Rope *rope, PyObject *array)
         PyBuffer_Release(&call->views[--call->opened]);
 }
 
+static void append_rope(Call *call, Rope *rope, const Rope *other)
+{
+    Index b = rope->count, more = other->count, begin = b ? rope->begins[b] : 0;
+    expect(call, !b || other->columns == rope->columns, "blocks must have rows, all of one length");
+    memcpy(rope->blocks + b, other->blocks, (size_t)more * sizeof(double *));
+    memcpy(rope->firsts + b, other->firsts, (size_t)more * sizeof(double));
+    for (Index k = 0; k <= more; k++)
+        rope->begins[b + k] = begin + other->begins[k];
+    rope->columns = other->columns;
+    rope->count += more;
+}
+
 METHOD(core_rope)
 {
     /* a tuple of arrays that lie row after row, or of ropes: one after the other; returns a rope */
@@ -94,11 +106,10 @@ METHOD(core_rope)
     for (Index k = 0; k < parts && !call.failed; k++) {
         PyObject *part = PyTuple_GetItem(values[0], k);
         const Rope *rope = PyCapsule_CheckExact(part) ? rope_in(part) : NULL;
-        if (!rope)
+        if (rope)
+            append_rope(&call, &kept->rope, rope);
+        else
             append_array(&call, &kept->rope, part);
-        for (Index b = 0; rope && b < rope->count; b++)
-            append_block(&call, &kept->rope, rope->blocks[b], rope->begins[b + 1] - rope->begins[b],
-                         rope->columns);
     }
     PyObject *capsule = call.failed ? NULL : PyCapsule_New(kept, NAME, release);
     if (capsule)
@@ -140,13 +151,18 @@ Rope rope_of(Call *call, PyObject *arrays)
 
 void rope_turn(Rope *rope, Index row)
 {
+    const Index *begins = rope->begins;
     Index low = 0, high = rope->count - 1;
+    /* first where it would be if all blocks were equally long, which they nearly are */
+    Index middle = (Index)((double)row / (double)begins[rope->count] * (double)rope->count);
     while (low < high) {
-        Index middle = low + (high - low + 1) / 2;
-        if (rope->begins[middle] <= row)
+        if (begins[middle] <= row)
             low = middle;
         else
             high = middle - 1;
+        if (row < begins[low + 1])
+            break;
+        middle = low + (high - low + 1) / 2;
     }
     rope->current = low;
 }

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import datetime
 from typing import Any
 
 import numpy as np
@@ -13,6 +14,7 @@ from test_compiled import Spline, both, core, parameters, same, seeds, splines
 from multirep.arrays import Array
 from multirep.capsules import capsule_around
 from multirep.representations import Nurbs, Polyline
+from multirep.sampled import interpolate
 from multirep.splines import compiled, evaluate
 from multirep.splines.rational import curve_point, curve_points
 
@@ -67,6 +69,15 @@ def test_points_have_the_same_bits_with_and_without_weights(
     assert np.array_equal(fast, pure)
 
 
+def rope(parts: tuple[Array, ...] | None, rng: np.random.Generator) -> Any:
+    """Join blocks, some of them in ropes before."""
+    if parts is None:
+        return None
+    cut = int(rng.integers(0, len(parts) + 1))
+    ends = [compiled.core.rope(some) for some in (parts[:cut], parts[cut:]) if some]
+    return compiled.core.rope(tuple(ends))
+
+
 @given(splines(), seeds, st.booleans())
 def test_blocks_give_what_flat_arrays_give(spline: Spline, seed: int, shuffled: bool) -> None:
     """Wherever the knots, control points and weights are cut, each on its own."""
@@ -82,6 +93,67 @@ def test_blocks_give_what_flat_arrays_give(spline: Spline, seed: int, shuffled: 
     cut = [blocks(array, rng) for array in flat]
     compiled.core.points(*cut, *rest, found)  # type: ignore[arg-type, call-arg]
     assert same(found, expected)
+    ropes = [rope(parts, rng) for parts in cut]
+    compiled.core.points(*ropes, *rest, found)  # type: ignore[arg-type, call-arg]
+    assert same(found, expected)
+    for at, row in zip(t.tolist(), expected, strict=True):
+        compiled.core.points(*ropes, spline.degree, at, 0, False, True, found[0])  # type: ignore[call-arg, arg-type]
+        assert same(found[0], row)
+
+
+@given(seeds, st.integers(2, 60), st.integers(1, 3), st.booleans())
+def test_ropes_of_polylines_give_what_flat_arrays_give(
+    seed: int, count: int, dimension: int, shuffled: bool
+) -> None:
+    """At vertices, between and at both ends; vertices crowd together in some places."""
+    rng = np.random.default_rng(seed)
+    t, points = (rng.random(count) ** 8 + 1e-9).cumsum(), rng.normal(size=(count, dimension))
+    at = np.concatenate((t, rng.uniform(t[0], t[-1], 100)))
+    if not shuffled:
+        at.sort()
+    flat, pure = both(lambda: interpolate(t, points, at))
+    assert same(flat, pure)
+    ropes = [rope(blocks(array, rng), rng) for array in (t, points)]
+    found = np.empty_like(flat)
+    compiled.core.interpolate(*ropes, at, found)  # type: ignore[arg-type]
+    assert same(found, flat)
+    for here, row in zip(at.tolist(), flat, strict=True):
+        compiled.core.interpolate(*ropes, here, found[0])  # type: ignore[arg-type]
+        assert same(found[0], row)
+
+
+def test_a_rope_outlives_its_arrays() -> None:
+    """It keeps the blocks, and a rope of ropes those of all."""
+    made = compiled.core.rope(
+        tuple(compiled.core.rope((np.arange(k, k + 500.0),)) for k in range(0, 50_000, 500))
+    )
+    found = np.empty((1, 1))
+    values = compiled.core.rope((np.arange(50_000.0)[:, None],))
+    compiled.core.interpolate(made, values, 41_234.5, found)
+    assert found == 41_234.5
+
+
+@pytest.mark.parametrize(
+    ("parts", "error", "message"),
+    [
+        ((), ValueError, "a block or more"),
+        ([np.zeros(2)], ValueError, "a block or more"),
+        ((np.zeros(0),), ValueError, "must have rows"),
+        ((np.zeros(4)[::2],), ValueError, "row after row"),
+        ((np.zeros(2), np.zeros((2, 2))), ValueError, "all of one length"),
+        ((np.zeros(2, dtype=np.float32),), TypeError, "format"),
+        ((np.zeros(2), "rope"), TypeError, "buffer|bytes-like"),
+    ],
+)
+def test_what_is_no_rope_is_refused(parts: Any, error: type[Exception], message: str) -> None:
+    """As parts of ropes too, and in the place of one; another capsule is none."""
+    with pytest.raises(error, match=message):
+        compiled.core.rope(parts)
+    whole, other = (compiled.core.rope((np.zeros(shape),)) for shape in (2, (2, 2)))
+    with pytest.raises(ValueError, match="all of one length"):
+        compiled.core.rope((whole, other))
+    with pytest.raises(ValueError, match="PyCapsule"):
+        compiled.core.rope((datetime.datetime_CAPI,))  # type: ignore[attr-defined]
 
 
 @given(splines(), seeds)
