@@ -74,7 +74,7 @@ def walks(monkeypatch: pytest.MonkeyPatch) -> list[int]:
 
 @pytest.fixture
 def handed(monkeypatch: pytest.MonkeyPatch) -> list[int]:
-    """The knots that the core is handed as an array in each evaluation; none where it has a rope."""
+    """The knots that the core is handed as an array in each evaluation: none in a rope."""
     if compiled.core is None:
         pytest.skip("the core was not built")
     found: list[int] = []

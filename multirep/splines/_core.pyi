@@ -23,18 +23,24 @@ def points(
     /,
 ) -> None: ...
 def capsule(points: Array, ends: Array, part: float, found: Array, /) -> None: ...
-def near(
-    tops: Array, crowns: Array | None, fan: int, points: Array, /
-) -> tuple[bytearray, bytearray]: ...
+def merged_capsules(nodes: Array, fan: int, part: float, found: Array, /) -> None: ...
+
+class Leaf:
+    """The pieces of a leaf and their capsules."""
+
+def leaf(
+    starts: Array, stops: Array, nodes: Array, groups: Array, hulls: Array | None, fan: int, /
+) -> Leaf: ...
 def nearest(
-    leaves: tuple[tuple[Array, Array, Array, Array | None], ...],
+    levels: tuple[Array, ...],
+    leaves: list[Leaf | None],
+    fan: int,
     points: Array,
-    slacks: Array,
-    firsts: IntArray,
-    which: IntArray,
+    slack: float,
+    unit: float,
     found: Array,
     /,
-) -> None: ...
+) -> list[int]: ...
 def blossom(
     knots: Array,
     coefficients: Array,

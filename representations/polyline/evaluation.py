@@ -32,6 +32,10 @@ def evaluate(t: BlockArray, points: BlockArray, at: Array) -> Array:
     """
     if not at.size:
         return np.empty((0, points.shape[1]))
+    if compiled.active:
+        found = np.empty((len(at), points.shape[1]))
+        compiled.core.interpolate(t.rope, points.rope, at, found)
+        return found
     start, stop = cover(t, float(at.min()), float(at.max()))
     if stop - start <= max(NARROW, 8 * len(at)):
         return interpolate(t.window(start, stop), points.window(start, stop), at)
