@@ -38,8 +38,7 @@ METHOD(core_capsule)
     Nodes capsule = {found.at, 1, d};
     lay(&capsule, 0, ends.at, ends.at + d);
     for (Index r = 0; r < points.rows; r++) {
-        double u, away = distance_of(&capsule, 0, points.at + r * d, &u);
-        far = larger(far, away);
+        far = larger(far, distance_of(&capsule, 0, points.at + r * d));
         for (Index c = 0; c < d; c++)
             largest = larger(largest, fabs(points.at[r * d + c]));
     }
@@ -77,14 +76,14 @@ METHOD(core_merged_capsules)
     double *stop = start + d, *low = stop + d, *high = low + d;
     for (Index k = 0; k < around.count; k++) {
         Index first = k * fan, last = at_most(first + fan, nodes.count) - 1;
-        double far = 0.0, largest = 0.0, u;
+        double far = 0.0, largest = 0.0;
         ends_of(&nodes, first, start, high);
         ends_of(&nodes, last, low, stop);
         lay(&around, k, start, stop);
         /* the distance to a chord is convex: within a capsule it is largest at an end */
         for (Index i = first; i <= last; i++) {
             ends_of(&nodes, i, low, high);
-            double one = distance_of(&around, k, low, &u), other = distance_of(&around, k, high, &u);
+            double one = distance_of(&around, k, low), other = distance_of(&around, k, high);
             far = larger(far, larger(one, other) + *radius_of(&nodes, i));
         }
         for (Index c = 0; c < 2 * d; c++)

@@ -19,22 +19,28 @@ static inline Nodes nodes_of(Call *call, Table table, Index dimension)
     return (Nodes){table.at, table.columns, dimension};
 }
 
-/* The distance of a point from the chord of a capsule; u is the place on it. */
-static inline double distance_of(const Nodes *nodes, Index k, const double *point, double *u)
+/* The squared distance of a point from the chord of a capsule; u is the place on it. */
+static inline double square_of(const Nodes *nodes, Index k, const double *point, Index dimension,
+                               double *u)
 {
-    Index d = nodes->dimension, count = nodes->count;
-    const double *start = nodes->at + k, *chord = start + d * count;
+    Index count = nodes->count;
+    const double *start = nodes->at + k, *chord = start + dimension * count;
     double along = 0.0, square = 0.0;
-    for (Index c = 0; c < d; c++)
+    for (Index c = 0; c < dimension; c++)
         along += (point[c] - start[c * count]) * chord[c * count];
-    along *= chord[d * count];
-    along = along > 0.0 ? (along < 1.0 ? along : 1.0) : 0.0;
-    for (Index c = 0; c < d; c++) {
+    along = smaller(larger(along * chord[dimension * count], 0.0), 1.0);
+    for (Index c = 0; c < dimension; c++) {
         double offset = point[c] - start[c * count] - along * chord[c * count];
         square += offset * offset;
     }
     *u = along;
-    return sqrt(square);
+    return square;
+}
+
+static inline double distance_of(const Nodes *nodes, Index k, const double *point)
+{
+    double u;
+    return sqrt(square_of(nodes, k, point, nodes->dimension, &u));
 }
 
 static inline double *radius_of(const Nodes *nodes, Index k)

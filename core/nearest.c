@@ -64,91 +64,35 @@ METHOD(core_leaf)
     return finish(&call, capsule);
 }
 
-/* -- candidates ---------------------------------------------------------------------------------- */
-
-/* A capsule that may hold the nearest place, of a leaf or above all leaves. */
-typedef struct {
-    double least, u;
-    const Leaf *leaf;
-    Index at;
-} Candidate;
-
-/* Some of them; the nearest place is not farther than `reach`. */
-typedef struct {
-    Candidate *at;
-    Index count, room;
-    double reach;
-} Row;
-
-static int by_least(const void *one, const void *other)
-{
-    double a = ((const Candidate *)one)->least, b = ((const Candidate *)other)->least;
-    return (a > b) - (a < b);
-}
-
-static void empty(Row *row)
-{
-    row->count = 0;
-    row->reach = INFINITY;
-}
-
-/* Look at some capsules. */
-static void look(Call *call, Row *row, const Nodes *nodes, Index first, Index stop, const Leaf *leaf,
-                 const double *point)
-{
-    if (row->count + stop - first > row->room) {
-        Index room = 2 * (row->count + stop - first);
-        Candidate *at = realloc(row->at, (size_t)room * sizeof(Candidate));
-        if (!at) {
-            PyErr_NoMemory();
-            call->failed = 1;
-            return;
-        }
-        row->at = at;
-        row->room = room;
-    }
-    for (Index k = first; k < stop; k++) {
-        double u, away = distance_of(nodes, k, point, &u), radius = *radius_of(nodes, k);
-        if (away - radius <= row->reach)
-            row->at[row->count++] = (Candidate){away - radius, u, leaf, k};
-        row->reach = smaller(row->reach, away + radius);
-    }
-}
-
-/* Drop what begins behind the reach. */
-static void settle(Row *row)
-{
-    Index kept = 0;
-    for (Index j = 0; j < row->count; j++)
-        if (row->at[j].least <= row->reach)
-            row->at[kept++] = row->at[j];
-    row->count = kept;
-}
-
 /* -- the search ---------------------------------------------------------------------------------- */
 
 enum { MOST_LEVELS = 10 };
+
+/* A capsule that may hold the nearest place: how far it is at least, and where on its chord. */
+typedef struct {
+    double least, u;
+    Index at;
+} Candidate;
 
 typedef struct {
     Nodes levels[MOST_LEVELS]; /* each around `fan` of the next, the last around leaves */
     Index count, fan, dimension;
     PyObject *leaves, *missing; /* lists */
-    Row here, next;
+    Candidate *stack;           /* those that wait, of each level on the way down */
+    Index height, room;
     Seeker seeker;
+    /* for the point at hand: the nearest place is not farther than `reach`, and the one found, on a
+    piece of a leaf, no farther than the nearest one and the slack */
+    const double *point;
+    double slack, reach, distance, u;
+    const Leaf *leaf;
+    Index piece;
 } Search;
-
-static void swap(Search *search)
-{
-    Row row = search->here;
-    search->here = search->next;
-    search->next = row;
-    empty(&search->next);
-}
 
 static void read_levels(Call *call, Search *search, PyObject *levels)
 {
-    expect(call, PyTuple_Check(levels) && PyTuple_Size(levels) > 0 &&
-                     PyTuple_Size(levels) <= MOST_LEVELS,
+    expect(call,
+           PyTuple_Check(levels) && PyTuple_Size(levels) > 0 && PyTuple_Size(levels) <= MOST_LEVELS,
            "a tuple of capsules is wanted, level by level");
     search->count = call->failed ? 0 : PyTuple_Size(levels);
     for (Index k = 0; k < search->count && !call->failed; k++) {
@@ -156,104 +100,137 @@ static void read_levels(Call *call, Search *search, PyObject *levels)
         if (!k)
             search->dimension = table.rows / 2 - 1;
         search->levels[k] = nodes_of(call, table, search->dimension);
-        expect(call, !k || search->levels[k - 1].count ==
-                               (search->levels[k].count + search->fan - 1) / search->fan,
+        expect(call,
+               !k || search->levels[k - 1].count ==
+                         (search->levels[k].count + search->fan - 1) / search->fan,
                "a capsule around each few of the next level is wanted");
     }
-    expect(call, call->failed || (PyList_Check(search->leaves) &&
-                     PyList_Size(search->leaves) == search->levels[search->count - 1].count),
+    expect(call,
+           call->failed || (PyList_Check(search->leaves) &&
+                            PyList_Size(search->leaves) == search->levels[search->count - 1].count),
            "a list of as many leaves as there are capsules is wanted");
 }
 
-/* The capsules of the last level that may hold the nearest place. */
-static void descend(Call *call, Search *search, const double *point)
+/* A leaf; of one that is not made, say which. */
+static const Leaf *leaf_at(Call *call, Search *search, Index at)
 {
-    empty(&search->here);
-    empty(&search->next);
-    look(call, &search->here, search->levels, 0, search->levels[0].count, NULL, point);
-    settle(&search->here);
-    for (Index level = 1; level < search->count && !call->failed; level++) {
-        const Nodes *nodes = &search->levels[level];
-        for (Index j = 0; j < search->here.count && !call->failed; j++) {
-            Index first = search->fan * search->here.at[j].at;
-            look(call, &search->next, nodes, first, at_most(first + search->fan, nodes->count), NULL,
-                 point);
-        }
-        settle(&search->next);
-        swap(search);
+    PyObject *capsule = PyList_GetItem(search->leaves, at);
+    if (capsule == Py_None) {
+        PyObject *number = PyLong_FromSsize_t(at);
+        call->failed |= !number || PyList_Append(search->missing, number) < 0;
+        Py_XDECREF(number);
+        return NULL;
     }
+    const Leaf *leaf = capsule ? PyCapsule_GetPointer(capsule, NAME) : NULL;
+    if (!leaf) {
+        call->failed = 1;
+        return NULL;
+    }
+    Index d = search->dimension;
+    Seeker *seeker = &search->seeker;
+    if (leaf->width && !seeker->degree)
+        *seeker = seeker_of(call, leaf->degree, d, leaf->width > d);
+    expect(call,
+           leaf->pieces.dimension == d && leaf->degree == seeker->degree &&
+               (!leaf->width || seeker->rational == (leaf->width > d)),
+           "leaves of one curve are wanted");
+    return call->failed ? NULL : leaf;
 }
 
-/* Put leaves in the place of capsules around them; of those that are not made, say which. */
-static int find_leaves(Call *call, Search *search)
+static inline void look_at(Search *search, const Nodes *nodes, Index first, Index stop,
+                           Index dimension)
 {
-    int found = 1;
-    for (Index j = 0; j < search->here.count && !call->failed; j++) {
-        Index at = search->here.at[j].at;
-        PyObject *capsule = PyList_GetItem(search->leaves, at);
-        if (capsule == Py_None) {
-            PyObject *number = PyLong_FromSsize_t(at);
-            found = 0;
-            call->failed |= !number || PyList_Append(search->missing, number) < 0;
-            Py_XDECREF(number);
-            continue;
-        }
-        const Leaf *leaf = capsule ? PyCapsule_GetPointer(capsule, NAME) : NULL;
-        if (!leaf) {
+    double reach = search->reach;
+    Candidate *next = search->stack + search->height;
+    for (Index k = first; k < stop; k++) {
+        double radius = *radius_of(nodes, k), far = reach + search->slack + radius, u;
+        double square = square_of(nodes, k, search->point, dimension, &u);
+        if (!(square <= far * far))
+            continue; /* most: without a root */
+        double away = sqrt(square);
+        *next++ = (Candidate){away - radius, u, k};
+        reach = smaller(reach, away + radius);
+    }
+    search->height = next - search->stack;
+    search->reach = reach;
+}
+
+/* Put those of some capsules on the stack that may hold the nearest place, the nearest first. */
+static void look(Call *call, Search *search, const Nodes *nodes, Index first, Index stop)
+{
+    Index begin = search->height, most = begin + stop - first;
+    if (most > search->room) {
+        Candidate *stack = realloc(search->stack, (size_t)(2 * most) * sizeof(Candidate));
+        if (!stack) {
+            PyErr_NoMemory();
             call->failed = 1;
-            return 0;
+            return;
         }
-        Seeker *seeker = &search->seeker;
-        if (!seeker->degree && leaf->width)
-            *seeker = seeker_of(call, leaf->degree, leaf->pieces.dimension,
-                                leaf->width > leaf->pieces.dimension);
-        expect(call, leaf->pieces.dimension == search->dimension && leaf->degree == seeker->degree &&
-                         (!leaf->width || seeker->rational == (leaf->width > search->dimension)),
-               "leaves of one curve are wanted");
-        search->here.at[j].leaf = leaf;
+        search->stack = stack;
+        search->room = 2 * most;
     }
-    return found && !call->failed;
+    if (nodes->dimension == 2)
+        look_at(search, nodes, first, stop, 2);
+    else
+        look_at(search, nodes, first, stop, nodes->dimension);
+    Candidate *found = search->stack + begin;
+    for (Index j = 1; j < search->height - begin; j++) {
+        Candidate one = found[j];
+        Index to = j;
+        for (; to && found[to - 1].least > one.least; to--)
+            found[to] = found[to - 1];
+        found[to] = one;
+    }
 }
 
-/* The pieces of leaves that may hold the nearest place. */
-static void find_pieces(Call *call, Search *search, const double *point)
+/* Look for a nearer place on a piece. */
+static void try_piece(Call *call, Search *search, const Leaf *leaf, Candidate piece)
 {
-    for (Index j = 0; j < search->here.count && !call->failed; j++) {
-        const Leaf *leaf = search->here.at[j].leaf;
-        look(call, &search->next, &leaf->groups, 0, leaf->groups.count, leaf, point);
+    Seeker *seeker = &search->seeker;
+    int nearer = !search->leaf;
+    if (!leaf->width) { /* the piece is its chord */
+        nearer |= piece.least < search->distance;
+        if (nearer)
+            search->distance = piece.least;
+    } else {
+        seeker_take(seeker, leaf->hulls, leaf->pieces.count, piece.at, search->point);
+        if (seeker_may(seeker, search->distance, search->slack))
+            nearer |= seeker_finds(call, seeker, piece.u, search->slack, &search->distance, &piece.u);
+        search->reach = smaller(search->reach, search->distance);
     }
-    settle(&search->next);
-    swap(search);
-    for (Index j = 0; j < search->here.count && !call->failed; j++) {
-        const Leaf *leaf = search->here.at[j].leaf;
-        Index first = leaf->fan * search->here.at[j].at;
-        look(call, &search->next, &leaf->pieces, first, at_most(first + leaf->fan, leaf->pieces.count),
-             leaf, point);
+    if (nearer) {
+        search->leaf = leaf;
+        search->piece = piece.at;
+        search->u = piece.u;
     }
-    settle(&search->next);
-    swap(search);
 }
 
-/* The parameter of the nearest place of these pieces. */
-static double decide(Call *call, Search *search, const double *point, double slack)
+/* Go down into those of some capsules that may hold the nearest place, the nearest first. Levels are
+followed by the groups of a leaf, and these by its pieces. */
+static void go_down(Call *call, Search *search, Index level, const Leaf *leaf, Index first,
+                    Index stop)
 {
-    Row *row = &search->here;
-    if (call->failed || !row->count)
-        return NAN;
-    qsort(row->at, (size_t)row->count, sizeof(Candidate), by_least);
-    Candidate best = row->at[0];
-    double distance = INFINITY, at = best.u;
-    for (Index j = 0; j < row->count && row->at[j].least <= distance && !call->failed; j++) {
-        const Leaf *leaf = row->at[j].leaf;
-        if (!leaf->width)
-            break; /* the pieces are their chords */
-        seeker_take(&search->seeker, leaf->hulls, leaf->pieces.count, row->at[j].at, point);
-        if (seeker_may(&search->seeker, distance, slack) &&
-            seeker_finds(call, &search->seeker, row->at[j].u, slack, &distance, &at))
-            best = row->at[j];
+    Index begin = search->height, last = search->count - 1;
+    const Nodes *nodes = level <= last       ? &search->levels[level]
+                         : level == last + 1 ? &leaf->groups
+                                             : &leaf->pieces;
+    look(call, search, nodes, first, at_most(stop, nodes->count));
+    Index end = search->height;
+    for (Index j = begin; j < end && !call->failed; j++) {
+        Candidate one = search->stack[j];
+        if (one.least > search->reach + search->slack)
+            break;
+        if (level == last) {
+            const Leaf *below = leaf_at(call, search, one.at);
+            if (below)
+                go_down(call, search, level + 1, below, 0, below->groups.count);
+        } else if (level <= last + 1) {
+            Index fan = leaf ? leaf->fan : search->fan;
+            go_down(call, search, level + 1, leaf, fan * one.at, fan * (one.at + 1));
+        } else
+            try_piece(call, search, leaf, one);
     }
-    double start = best.leaf->starts[best.at], stop = best.leaf->stops[best.at];
-    return smaller(larger(start + at * (stop - start), start), stop);
+    search->height = begin;
 }
 
 METHOD(core_nearest)
@@ -272,22 +249,26 @@ METHOD(core_nearest)
     Table points = reals(&call, values[3]), found = output(&call, values[6]);
     double slack = real(&call, values[4]), unit = real(&call, values[5]);
     Index d = search.dimension, m = found.rows * found.columns;
-    expect(&call, points.rows * points.columns == m * d, "room for a parameter of each point is wanted");
+    expect(&call, points.rows * points.columns == m * d,
+           "room for a parameter of each point is wanted");
     search.missing = call.failed ? NULL : PyList_New(0);
     call.failed |= !search.missing;
     for (Index r = 0; r < m && !call.failed; r++) {
-        const double *point = points.at + r * d;
         double largest = 0.0;
+        search.point = points.at + r * d;
         for (Index c = 0; c < d; c++)
-            largest = larger(largest, fabs(point[c]));
-        descend(&call, &search, point);
-        if (call.failed || !find_leaves(&call, &search))
+            largest = larger(largest, fabs(search.point[c]));
+        search.slack = slack + unit * largest;
+        search.reach = search.distance = INFINITY;
+        search.leaf = NULL;
+        go_down(&call, &search, 0, NULL, 0, search.levels[0].count);
+        found.at[r] = NAN;
+        if (!search.leaf)
             continue;
-        find_pieces(&call, &search, point);
-        found.at[r] = decide(&call, &search, point, slack + unit * largest);
+        double start = search.leaf->starts[search.piece], stop = search.leaf->stops[search.piece];
+        found.at[r] = smaller(larger(start + search.u * (stop - start), start), stop);
     }
-    free(search.here.at);
-    free(search.next.at);
+    free(search.stack);
     seeker_end(&search.seeker);
     return finish(&call, search.missing);
 }

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from test_compiled import Spline, both, core, parameters, same, seeds, splines
 
 from multirep.arrays import Array
-from multirep.capsules import capsule_around
+from multirep.capsules import capsule_around, capsules, merged_capsules
 from multirep.representations import Nurbs, Polyline
 from multirep.sampled import interpolate
 from multirep.splines import compiled, evaluate
@@ -287,28 +287,101 @@ def test_nearest_places_are_as_near_as_numpy_finds_them(kind: str, count: int) -
     assert [place.t for place in alone] == fast.t.tolist()  # type: ignore[union-attr]
 
 
-def test_leaves_that_are_none_are_refused() -> None:
+@given(seeds, st.integers(1, 3), st.integers(1, 40))
+def test_capsules_are_merged_as_numpy_does(seed: int, dimension: int, count: int) -> None:
+    """The same but for the last bits of the radius; those of no length too."""
+    rng = np.random.default_rng(seed)
+    starts, stops = rng.integers(-2, 3, (2, dimension, count)) / 2
+    nodes = capsules(starts, stops, rng.random(count))
+    fast, pure = both(lambda: merged_capsules(nodes))
+    np.testing.assert_allclose(fast, pure, rtol=4e-15, atol=0)
+
+
+def test_what_are_no_capsules_is_refused() -> None:
     """Never read beyond an array."""
-    nodes = np.zeros((6, 2))
-    leaf = (np.zeros(2), np.ones(2), nodes, np.zeros((3, 2, 2)))
-    point, found = np.zeros((1, 2)), np.empty(1)
-    slack, firsts, which = np.zeros(1), np.array([0, 1]), np.array([0])
-    compiled.core.nearest((leaf,), point, slack, firsts, which, found)
-    bad: list[tuple[Any, ...]] = [
-        ((leaf,), point, slack, firsts, which + 1, found),
-        ((leaf,), point, slack, firsts, which - 1, found),
-        ((leaf,), point, slack, firsts + 1, which, found),
-        ((leaf,), point, slack, firsts * 0, which, found),
-        ((leaf,), np.zeros((1, 3)), slack, firsts, which, found),
-        ((leaf[:3],), point, slack, firsts, which, found),
-        (((*leaf[:3], np.zeros((3, 4, 2))),), point, slack, firsts, which, found),
-        (((np.zeros(3), *leaf[1:]),), point, slack, firsts, which, found),
-        ((leaf, (*leaf[:3], None)), point, slack, firsts, which, found),
+    for nodes, fan, found in (
+        (np.zeros((5, 4)), 2, np.zeros((6, 2))),
+        (np.zeros((6, 4)), 2, np.zeros((8, 2))),
+        (np.zeros((6, 4)), 2, np.zeros((6, 3))),
+        (np.zeros((6, 4)), 0, np.zeros((6, 2))),
+        (np.zeros((2, 4)), 2, np.zeros((2, 2))),
+    ):
+        with pytest.raises(ValueError, match="capsule"):
+            compiled.core.merged_capsules(nodes, fan, 0.0, found)
+
+
+NODES, GROUPS, HULLS = np.zeros((6, 3)), np.zeros((6, 2)), np.zeros((3, 2, 3))
+
+
+def leaf(**changes: Any) -> Any:
+    """Three pieces, two of them in a group."""
+    usual = {"starts": np.zeros(3), "stops": np.ones(3), "nodes": NODES, "groups": GROUPS}
+    return compiled.core.leaf(*(usual | {"hulls": HULLS, "fan": 2} | changes).values())  # type: ignore[call-arg, arg-type]
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"starts": np.zeros(2)},
+        {"stops": np.ones(4)},
+        {"starts": np.zeros(0), "stops": np.zeros(0), "nodes": NODES[:, :0]},
+        {"starts": np.zeros(6)[::2]},
+        {"nodes": NODES[:5]},
+        {"nodes": NODES[:, :2]},
+        {"nodes": np.zeros((2, 3))},
+        {"groups": np.zeros((6, 3))},
+        {"groups": np.zeros((8, 2))},
+        {"hulls": HULLS[:, :, :2]},
+        {"hulls": HULLS[:1]},
+        {"hulls": np.zeros((3, 4, 3))},
+        {"fan": 0},
+        {"fan": 3},
+    ],
+)
+def test_pieces_that_are_no_leaf_are_refused(change: dict[str, Any]) -> None:
+    """Never read beyond an array."""
+    leaf()
+    with pytest.raises(ValueError, match=r"wanted|leaf|hulls|columns"):
+        leaf(**change)
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"levels": ()},
+        {"levels": [np.zeros((6, 3))]},
+        {"levels": (np.zeros((6, 1)), np.zeros((6, 3)))},
+        {"levels": (np.zeros((6, 2)), np.zeros((8, 3)))},
+        {"levels": (np.zeros((6, 2)),)},
+        {"leaves": (None, None, None)},
+        {"leaves": [None]},
+        {"leaves": [leaf(), leaf(hulls=None), leaf()]},
+        {"leaves": [leaf(hulls=np.zeros((3, 3, 3))), leaf(), leaf()]},
+        {"leaves": [leaf(hulls=np.zeros((4, 2, 3))), leaf(), leaf()]},
+        {"leaves": [leaf(nodes=np.zeros((4, 3)), groups=np.zeros((4, 2)), hulls=None)] * 3},
+        {"leaves": [datetime.datetime_CAPI] * 3},  # type: ignore[attr-defined]
+        {"leaves": [0] * 3},
+        {"fan": 0},
+        {"fan": 3},
+        {"points": np.zeros((2, 2))},
+        {"points": np.zeros(3)},
+        {"found": np.zeros(2)},
     ]
-    for call in bad:
-        with pytest.raises(ValueError, match=r"wanted|leaves|leaf|rows|columns"):
-            compiled.core.nearest(*call)
-    with pytest.raises(ValueError, match=r"capsules are columns"):
-        compiled.core.near(nodes[:5], None, 16, point)
-    with pytest.raises(ValueError, match="wanted"):
-        compiled.core.near(nodes, nodes, 16, point)
+    if compiled.core is not None
+    else [],
+)
+def test_what_is_no_tree_is_refused(change: dict[str, Any]) -> None:
+    """Never read beyond an array."""
+    call = {
+        "levels": (np.zeros((6, 2)), np.zeros((6, 3))),
+        "leaves": [leaf(), leaf(), leaf()],
+        "fan": 2,
+        "points": np.zeros(2),
+        "slack": 0.0,
+        "unit": 0.0,
+        "found": np.empty(1),
+    }
+    assert compiled.core.nearest(*call.values()) == []  # type: ignore[arg-type]
+    assert compiled.core.nearest(*(call | {"leaves": [None] * 3}).values()) == [0, 1, 2]  # type: ignore[arg-type]
+    with pytest.raises(ValueError, match=r"wanted|holds|columns|PyCapsule"):
+        compiled.core.nearest(*(call | change).values())  # type: ignore[arg-type]
