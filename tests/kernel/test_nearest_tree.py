@@ -165,6 +165,19 @@ def test_equally_near_places() -> None:
         assert curve.nearest([0.0, 1e-12]).distance <= 1.0
 
 
+def test_equally_near_places_of_many_leaves() -> None:
+    """A polygon around its centre, and beside it: no leaf can be left out, and none is needed."""
+    turn = np.linspace(0, 2 * np.pi, 20_001)
+    polygon = Polyline.from_points(np.stack([np.cos(turn), np.sin(turn)], axis=1))
+    apothem = np.cos(np.pi / 20_000)
+    offsets = np.array([[0.0, 0.0], [1e-12, 0], [0, 1e-7], [0.5, 0.5], [1e6, -1e6]])
+    expected = np.abs(np.linalg.norm(offsets, axis=1) - 1.0)
+    slack = 1e-9 + 1e-14 * np.abs(offsets).max(axis=1)
+    for found in (polygon.nearest(offsets).distance, [polygon.nearest(x).distance for x in offsets]):
+        assert (found <= expected + slack).all()
+        assert (found >= expected - (1 - apothem) - slack).all()
+
+
 def test_a_place_where_a_piece_crosses_itself() -> None:
     """One loop of one cubic: both branches pass the crossing; the nearer one is taken."""
     loop = Nurbs(degree=3, knots=[0] * 4 + [1] * 4, points=[[0, 0], [3, 2], [-2, 2], [1, 0]])
