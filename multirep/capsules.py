@@ -13,7 +13,7 @@ curve takes over all leaves but those that it changed.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from functools import cached_property
 from itertools import pairwise
 from operator import is_
@@ -221,19 +221,29 @@ class Tree:
 
         Notes
         -----
-        O(spans that changed), and O(leaves) to put the leaves in a row.
+        O(spans that changed), and a copy of the capsules around the leaves.
         """
         if first >= stop and not shift:
             return self
         stop = max(stop, first, first - shift)  # the two ranges may overlap: what is kept must not
         ends = self._ends
         head = int(ends.searchsorted(first, "right"))
-        begins = ends - np.array([leaf.spans for leaf in self.leaves])
+        begins = np.append(0, ends[:-1])
         tail = max(int(begins.searchsorted(stop)), head)
         low = int(ends[head - 1]) if head else 0
         high = (int(begins[tail]) if tail < len(ends) else int(ends[-1])) + shift
         fresh = _built(build, low, high)
-        return Tree((*self.leaves[:head], *fresh, *self.leaves[tail:]))
+        new = Tree((*self.leaves[:head], *fresh, *self.leaves[tail:]))
+        wholes = [leaf.whole for leaf in fresh if leaf.whole is not None]
+        if len(wholes) == len(fresh) and len(self.filled) == len(self.leaves):
+            # all are filled, as nearly always: what is known of those that stay is taken over
+            made = low + np.cumsum([leaf.spans for leaf in fresh], dtype=np.intp)
+            vars(new).update(
+                filled=new.leaves,
+                tops=np.concatenate((self.tops[:, :head], *wholes, self.tops[:, tail:]), axis=1),
+                _ends=np.concatenate((ends[:head], made, ends[tail:] + shift)),
+            )
+        return new
 
     @cached_property
     def _ends(self) -> Indices:
@@ -311,7 +321,7 @@ class Known:
         self.arrays, self.tree, self.degree = arrays, tree, degree
 
 
-def _built(build: Callable[[int, int], Leaf], low: int, high: int) -> Iterable[Leaf]:
+def _built(build: Callable[[int, int], Leaf], low: int, high: int) -> list[Leaf]:
     """Build leaves of at most `FAN`**2 spans, about equally many each."""
     count = -(-(high - low) // FAN**2)
     marks = [low + (high - low) * k // count for k in range(count)] + [high] if count else []
