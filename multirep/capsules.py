@@ -312,6 +312,9 @@ class Known:
         #: The size of the curve when it was first asked.
         self.size = 0.0
 
+    def __reduce__(self) -> tuple[object, ...]:
+        return Known, ()  # whoever gets a copy of a curve can make a tree of it
+
     def is_of(self, arrays: tuple[BlockArray, ...]) -> bool:
         """Whether the tree is that of exactly these arrays."""
         return len(arrays) == len(self.arrays) and all(map(is_, arrays, self.arrays))
