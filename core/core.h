@@ -122,8 +122,15 @@ static inline Index rope_length(const Rope *rope)
 }
 /* Make the block of a row the current one. */
 void rope_turn(Rope *rope, Index row);
+const double *rope_rows_elsewhere(Rope *rope, Index first, Index count, double *room);
 /* Some neighbouring rows; copied to `room` where they lie in several blocks. */
-const double *rope_rows(Rope *rope, Index first, Index count, double *room);
+static inline const double *rope_rows(Rope *rope, Index first, Index count, double *room)
+{
+    Index b = rope->current, begin = rope->begins[b];
+    if (begin <= first && first + count <= rope->begins[b + 1])
+        return rope->blocks[b] + (first - begin) * rope->columns;
+    return rope_rows_elsewhere(rope, first, count, room);
+}
 
 /* -- basis.c: spans, basis functions, polar forms ---------------------------------------------- */
 

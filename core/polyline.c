@@ -42,10 +42,15 @@ METHOD(core_interpolate)
            "a polyline needs two vertices");
     expect(&call, found.rows * found.columns == all * d, "room for the points is missing");
     double *room = scratch(&call, 2 * d), ends[2];
+    const double *span = NULL, *low = NULL;
     for (Index i = 0; !call.failed && i < all; i++) {
         double here = at.at[i];
-        k = segment_at(&t, k, here);
-        const double *span = rope_rows(&t, k, 2, ends), *low = rope_rows(&points, k, 2, room);
+        Index near = k;
+        k = segment_at(&t, near, here);
+        if (k != near) {
+            span = rope_rows(&t, k, 2, ends);
+            low = rope_rows(&points, k, 2, room);
+        }
         const double *high = low + d;
         double *point = found.at + i * d, u = (here - span[0]) / (span[1] - span[0]);
         for (Index c = 0; c < d; c++)

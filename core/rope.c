@@ -167,7 +167,7 @@ void rope_turn(Rope *rope, Index row)
     rope->current = low;
 }
 
-const double *rope_rows(Rope *rope, Index first, Index count, double *room)
+const double *rope_rows_elsewhere(Rope *rope, Index first, Index count, double *room)
 {
     const Index *begins = rope->begins;
     Index b = rope->current, d = rope->columns;
