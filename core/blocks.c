@@ -122,12 +122,15 @@ METHOD(core_searched)
     return finish(&call, call.failed ? NULL : PyLong_FromSsize_t(low));
 }
 
-/* A tuple with one item exchanged. */
+/* A tuple of the same type with one item exchanged. */
 static PyObject *exchanged(Call *call, PyObject *tuple, Index k, PyObject *other)
 {
     Index size = items(call, tuple);
     expect(call, k >= 0 && k < size, "no such block");
-    PyObject *made = call->failed ? NULL : PyTuple_New(size);
+    PyObject *made = NULL;
+    if (!call->failed)
+        made = PyTuple_CheckExact(tuple) ? PyTuple_New(size)
+                                         : PyType_GenericAlloc(Py_TYPE(tuple), size);
     call->failed |= !made;
     for (Index i = 0; i < size && !call->failed; i++)
         PyTuple_SetItem(made, i, Py_NewRef(i == k ? other : PyTuple_GetItem(tuple, i)));

@@ -29,20 +29,21 @@ Seeker seeker_of(Call *call, Index degree, Index dimension, int rational)
 {
     Index p = degree, n = 2 * p, size = (rational ? 2 : 1) * (n + 1);
     Seeker seeker = {.degree = p, .dimension = dimension, .rational = rational, .size = size};
-    seeker.offsets = scratch(call, (p + 1) * (dimension + 1));
-    seeker.cast = scratch(call, (p + 1) * (dimension + 1));
-    seeker.value = scratch(call, 2 * (dimension + 1));
-    seeker.f = scratch(call, size);
-    seeker.low = scratch(call, size);
-    seeker.high = scratch(call, size);
-    seeker.above = scratch(call, n + 1);
-    seeker.powers = scratch(call, size);
-    seeker.single = scratch(call, p + 1);
-    seeker.twice = scratch(call, n + 1);
-    if (!call->failed) {
-        binomials(p, seeker.single);
-        binomials(n, seeker.twice);
-    }
+    Index rows = (p + 1) * (dimension + 1);
+    seeker.offsets = scratch(call, 2 * rows + 2 * (dimension + 1) + 4 * size + 2 * (n + 1) + p + 1);
+    if (call->failed)
+        return seeker;
+    seeker.cast = seeker.offsets + rows;
+    seeker.value = seeker.cast + rows;
+    seeker.f = seeker.value + 2 * (dimension + 1);
+    seeker.low = seeker.f + size;
+    seeker.high = seeker.low + size;
+    seeker.powers = seeker.high + size;
+    seeker.above = seeker.powers + size;
+    seeker.twice = seeker.above + n + 1;
+    seeker.single = seeker.twice + n + 1;
+    binomials(p, seeker.single);
+    binomials(n, seeker.twice);
     return seeker;
 }
 

@@ -109,11 +109,12 @@ static inline Index interval_at(const double *at, Index low, Index high, Index f
 
 typedef struct {
     const double **blocks;
-    Index *begins; /* the first row of each block, and the row after the last */
+    double *firsts; /* the first number of each block */
+    Index *begins;  /* the first row of each block, and the row after the last */
     Index count, columns, current;
 } Rope;
 
-/* Of an array, or of a tuple of arrays that lie row after row. */
+/* Of an array, of a tuple of arrays that lie row after row, or a rope that was made before. */
 Rope rope_of(Call *call, PyObject *arrays);
 static inline Index rope_length(const Rope *rope)
 {
@@ -121,8 +122,15 @@ static inline Index rope_length(const Rope *rope)
 }
 /* Make the block of a row the current one. */
 void rope_turn(Rope *rope, Index row);
+const double *rope_rows_elsewhere(Rope *rope, Index first, Index count, double *room);
 /* Some neighbouring rows; copied to `room` where they lie in several blocks. */
-const double *rope_rows(Rope *rope, Index first, Index count, double *room);
+static inline const double *rope_rows(Rope *rope, Index first, Index count, double *room)
+{
+    Index b = rope->current, begin = rope->begins[b];
+    if (begin <= first && first + count <= rope->begins[b + 1])
+        return rope->blocks[b] + (first - begin) * rope->columns;
+    return rope_rows_elsewhere(rope, first, count, room);
+}
 
 /* -- basis.c: spans, basis functions, polar forms ---------------------------------------------- */
 
@@ -257,9 +265,11 @@ int solve_banded(double *band, double *right, Index count, Index bandwidth, Inde
 METHOD(core_find_spans);
 METHOD(core_basis_functions);
 METHOD(core_blossom);
+METHOD(core_rope);
 METHOD(core_points);
 METHOD(core_capsule);
-METHOD(core_near);
+METHOD(core_merged_capsules);
+METHOD(core_leaf);
 METHOD(core_nearest);
 METHOD(core_polyline_rows);
 METHOD(core_solve_window);

@@ -95,6 +95,26 @@ static Index count_before(const Reader *reader, const double *knots, Index count
     return low;
 }
 
+/* The last block of knots that begins before t; first it is looked for where it would be if all were
+equally long. */
+static Index block_before(const Reader *reader, double t)
+{
+    const double *firsts = reader->knots.firsts;
+    Index low = 0, high = reader->knots.count - 1;
+    double share = (t - firsts[0]) / (firsts[high] - firsts[0]);
+    Index middle = share > 0.0 && share < 1.0 ? (Index)(share * (double)high) : 0;
+    while (low < high) {
+        if (before(reader, firsts[middle], t))
+            low = middle;
+        else
+            high = middle - 1;
+        if (low == high || !before(reader, firsts[low + 1], t))
+            break;
+        middle = low + (high - low + 1) / 2;
+    }
+    return low;
+}
+
 /* The span of a parameter, near the one at hand or far. */
 static Index span_near(Reader *reader, double t)
 {
@@ -103,20 +123,11 @@ static Index span_near(Reader *reader, double t)
     Rope *knots = &reader->knots;
     Index b = knots->current, last = knots->count - 1;
     /* the last block that begins before t */
-    int ahead = before(reader, knots->blocks[b][0], t);
-    if (ahead && b < last && before(reader, knots->blocks[b + 1][0], t))
-        ahead = ++b == last || !before(reader, knots->blocks[b + 1][0], t);
-    if (!ahead) {
-        Index low = 0, high = last;
-        while (low < high) {
-            Index middle = low + (high - low + 1) / 2;
-            if (before(reader, knots->blocks[middle][0], t))
-                low = middle;
-            else
-                high = middle - 1;
-        }
-        b = low;
-    }
+    int ahead = before(reader, knots->firsts[b], t);
+    if (ahead && b < last && before(reader, knots->firsts[b + 1], t))
+        ahead = ++b == last || !before(reader, knots->firsts[b + 1], t);
+    if (!ahead)
+        b = block_before(reader, t);
     knots->current = b;
     Index begin = knots->begins[b], count = knots->begins[b + 1] - begin;
     Index guess = at_most(at_least(reader->near + 1 - begin, 0), count);
@@ -290,7 +301,7 @@ static void sort_roughly(const double *t, Index first, Index count, double low, 
 
 METHOD(core_points)
 {
-    /* knots, points, weights or None (each an array, or a tuple of blocks), degree, t (m,) or a
+    /* knots, points, weights or None (each an array, a tuple of blocks, or a rope), degree, t (m,) or a
     number, the order of the derivative (0 with weights), whether the left side is meant, whether a
     control point at a knot of full multiplicity is the curve's point there, found (m, d) */
     Call call;
@@ -326,13 +337,13 @@ METHOD(core_points)
            !reader.rational || (rope_length(&reader.weights) == n && reader.weights.columns == 1),
            "a weight for each point is wanted");
     expect(&call, found.rows * found.columns == m * d, "room for a point a parameter is wanted");
-    reader.knot_room = scratch(&call, 2 * p);
-    reader.point_room = scratch(&call, (p + 1) * d);
-    reader.weight_room = scratch(&call, p + 1);
-    reader.net_room = scratch(&call, (p + 1) * (d + 1));
-    reader.basis = scratch(&call, p + 1 + d + 1);
+    reader.knot_room = scratch(&call, 2 * p + (p + 1) * (2 * d + 3) + d + 1);
     if (call.failed)
         return finish(&call, NULL);
+    reader.point_room = reader.knot_room + 2 * p;
+    reader.weight_room = reader.point_room + (p + 1) * d;
+    reader.net_room = reader.weight_room + p + 1;
+    reader.basis = reader.net_room + (p + 1) * (d + 1);
     double low = knot_at(&reader.knots, p), high = knot_at(&reader.knots, n);
     reader.first = p;
     while (reader.first < n - 1 && !(knot_at(&reader.knots, reader.first + 1) > low))
@@ -340,9 +351,9 @@ METHOD(core_points)
     reader.last = n - 1;
     while (reader.last > reader.first && !(knot_at(&reader.knots, reader.last) < high))
         reader.last--;
-    reader.near = reader.span = reader.first;
+    reader.near = reader.first;
+    reader.span = -1;
     reader.low = INFINITY;
-    enter(&reader, reader.first);
     if (m < FEW || !(high > low) || in_order(t, m)) {
         Wanted wanted[GROUP];
         for (Index r = 0; r < m; r += GROUP) {

@@ -1,296 +1,274 @@
 /* Nearest places in a tree of capsules; see multirep.nearest_tree. */
+#include "capsules.h"
 #include "closest.h"
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* Capsules as columns: start (d), chord (d), 1 / length**2, radius. */
+#define NAME "multirep.leaf"
+
+/* -- leaves, made once --------------------------------------------------------------------------- */
+
+/* Neighbouring pieces, and the capsules around `fan` of them each. */
 typedef struct {
-    const double *at;
-    Index count, dimension;
-} Nodes;
-
-static Nodes nodes_of(Call *call, Table table, Index dimension)
-{
-    expect(call, table.rows == 2 * dimension + 2 && table.columns > 0,
-           "capsules are columns of 2 d + 2 numbers");
-    return (Nodes){table.at, table.columns, dimension};
-}
-
-/* The distance of a point from the chord of a capsule; u is the place on it. */
-static inline double distance_of(const Nodes *nodes, Index k, const double *point, double *u)
-{
-    Index d = nodes->dimension, count = nodes->count;
-    const double *start = nodes->at + k, *chord = start + d * count;
-    double along = 0.0, square = 0.0;
-    for (Index c = 0; c < d; c++)
-        along += (point[c] - start[c * count]) * chord[c * count];
-    along *= chord[d * count];
-    along = along > 0.0 ? (along < 1.0 ? along : 1.0) : 0.0;
-    for (Index c = 0; c < d; c++) {
-        double offset = point[c] - start[c * count] - along * chord[c * count];
-        square += offset * offset;
-    }
-    *u = along;
-    return sqrt(square);
-}
-
-static inline double radius_of(const Nodes *nodes, Index k)
-{
-    return nodes->at[(2 * nodes->dimension + 1) * nodes->count + k];
-}
-
-METHOD(core_capsule)
-{
-    /* points (k, d), both ends (2, d) of a stretch in their hull, what rounding may be as a part of
-    the largest coordinate, the capsule found (2 d + 2,) */
-    Call call;
-    begin(&call, count, 4);
-    if (call.failed)
-        return finish(&call, NULL);
-    Table points = reals(&call, values[0]), ends = reals(&call, values[1]);
-    double part = real(&call, values[2]), square = 0.0, far = 0.0, largest = 0.0;
-    Table found = output(&call, values[3]);
-    Index d = points.columns;
-    expect(&call, ends.rows == 2 && ends.columns == d && found.rows * found.columns == 2 * d + 2,
-           "two ends and room for a capsule are wanted");
-    if (call.failed)
-        return finish(&call, NULL);
-    Nodes capsule = {found.at, 1, d};
-    double *chord = found.at + d, *inverse = chord + d, *radius = inverse + 1;
-    *radius = 0.0;
-    for (Index c = 0; c < d; c++) {
-        found.at[c] = ends.at[c];
-        chord[c] = ends.at[d + c] - ends.at[c];
-        square += chord[c] * chord[c];
-    }
-    *inverse = 1.0 / square;
-    if (!isfinite(*inverse)) { /* so short that it is the point where it starts */
-        *inverse = 0.0;
-        for (Index c = 0; c < d; c++)
-            *radius += fabs(chord[c]);
-    }
-    for (Index r = 0; r < points.rows; r++) {
-        double u, away = distance_of(&capsule, 0, points.at + r * d, &u);
-        far = larger(far, away);
-        for (Index c = 0; c < d; c++)
-            largest = larger(largest, fabs(points.at[r * d + c]));
-    }
-    *radius += far + part * largest;
-    return finish(&call, Py_NewRef(Py_None));
-}
-
-/* -- which leaves ------------------------------------------------------------------------------ */
-
-typedef struct {
-    Index *at, count, room;
-} Row;
-
-static void append(Call *call, Row *row, Index number)
-{
-    if (row->count == row->room) {
-        Index room = 2 * row->room + 64, *at = realloc(row->at, (size_t)room * sizeof(Index));
-        if (!at) {
-            PyErr_NoMemory();
-            call->failed = 1;
-            return;
-        }
-        row->at = at;
-        row->room = room;
-    }
-    row->at[row->count++] = number;
-}
-
-/* Append the capsules among some that may hold the nearest place. */
-static void keep(Call *call, const Nodes *nodes, const double *point, const Index *among,
-                 Index count, double *least, Row *row)
-{
-    double reach = INFINITY, u;
-    for (Index j = 0; j < count; j++) {
-        Index k = among ? among[j] : j;
-        double away = distance_of(nodes, k, point, &u), radius = radius_of(nodes, k);
-        least[j] = away - radius;
-        reach = smaller(reach, away + radius);
-    }
-    for (Index j = 0; j < count && !call->failed; j++)
-        if (least[j] <= reach)
-            append(call, row, among ? among[j] : j);
-}
-
-METHOD(core_near)
-{
-    /* capsules around leaves, those around `fan` of them each or None, fan, points (m, d); returns,
-    as bytes, where the leaves of each point begin (m + 1,), and the leaves that may hold its
-    nearest place */
-    Call call;
-    begin(&call, count, 4);
-    if (call.failed)
-        return finish(&call, NULL);
-    Table points = reals(&call, values[3]);
-    Index d = points.columns, m = points.rows, fan = integer(&call, values[2]);
-    Nodes tops = nodes_of(&call, reals(&call, values[0]), d), crowns = {NULL, 0, d};
-    if (values[1] != Py_None)
-        crowns = nodes_of(&call, reals(&call, values[1]), d);
-    expect(&call, fan > 0 && (!crowns.count || crowns.count == (tops.count + fan - 1) / fan),
-           "a capsule around each few leaves is wanted");
-    double *least = scratch(&call, tops.count);
-    Index *children = index_scratch(&call, tops.count), *firsts = index_scratch(&call, m + 1);
-    Row row = {NULL, 0, 0}, high = {NULL, 0, 0};
-    for (Index r = 0; r < m && !call.failed; r++) {
-        const double *point = points.at + r * d;
-        firsts[r] = row.count;
-        if (!crowns.count) {
-            keep(&call, &tops, point, NULL, tops.count, least, &row);
-            continue;
-        }
-        Index some = 0;
-        high.count = 0;
-        keep(&call, &crowns, point, NULL, crowns.count, least, &high);
-        for (Index j = 0; j < high.count; j++)
-            for (Index k = fan * high.at[j]; k < at_most(fan * (high.at[j] + 1), tops.count); k++)
-                children[some++] = k;
-        keep(&call, &tops, point, children, some, least, &row);
-    }
-    PyObject *found = NULL;
-    if (!call.failed) {
-        firsts[m] = row.count;
-        found = pair_of(&call, bytes_of(firsts, (m + 1) * (Index)sizeof(Index)),
-                        bytes_of(row.at, row.count * (Index)sizeof(Index)));
-    }
-    free(row.at);
-    free(high.at);
-    return finish(&call, found);
-}
-
-/* -- which place ------------------------------------------------------------------------------- */
-
-/* The pieces of a leaf. */
-typedef struct {
+    Nodes pieces, groups;
     const double *starts, *stops, *hulls;
-    Nodes nodes;
+    Index fan, degree, width; /* the hulls are (degree + 1, width, pieces); without width is 0 */
+    PyObject *arrays;
 } Leaf;
 
-/* The next array of a tuple. Its buffer need not stay open, since the tuple keeps it. */
-static Table taken(Call *call, PyObject *tuple, Index at)
+static void release(PyObject *capsule)
 {
-    Table none = {NULL, 0, 0};
-    if (call->failed)
-        return none;
-    int held = call->held;
-    Table table = reals(call, PyTuple_GetItem(tuple, at));
-    expect(call, call->held == held, "the arrays of a leaf must lie row after row");
-    if (!call->failed)
-        PyBuffer_Release(&call->views[--call->opened]);
-    return table;
+    Leaf *leaf = PyCapsule_GetPointer(capsule, NAME);
+    Py_DECREF(leaf->arrays);
+    free(leaf);
 }
 
-static Leaf leaf_of(Call *call, PyObject *arrays, Index dimension, Table *hulls)
+METHOD(core_leaf)
 {
-    Leaf leaf = {NULL, NULL, NULL, {NULL, 0, dimension}};
-    expect(call, PyTuple_Check(arrays) && PyTuple_Size(arrays) == 4,
-           "starts, stops, capsules and hulls of each leaf are wanted");
-    Table starts = taken(call, arrays, 0), stops = taken(call, arrays, 1);
-    leaf.nodes = nodes_of(call, taken(call, arrays, 2), dimension);
-    *hulls = (Table){NULL, 0, 0};
-    if (!call->failed && PyTuple_GetItem(arrays, 3) != Py_None)
-        *hulls = taken(call, arrays, 3);
-    expect(call, starts.rows == leaf.nodes.count && stops.rows == leaf.nodes.count,
-           "two ends of each piece are wanted");
-    leaf.starts = starts.at;
-    leaf.stops = stops.at;
-    leaf.hulls = hulls->at;
-    return leaf;
-}
-
-/* A piece that may hold the nearest place. */
-typedef struct {
-    double least, u;
-    Index leaf, piece;
-} Candidate;
-
-static int by_least(const void *one, const void *other)
-{
-    double a = ((const Candidate *)one)->least, b = ((const Candidate *)other)->least;
-    return (a > b) - (a < b);
-}
-
-METHOD(core_nearest)
-{
-    /* leaves, a tuple of (starts, stops, capsules, hulls (p + 1, D, k) or None); points (m, d); how
-    much nearer than the answer another place may be (m,); where the leaves of each point begin
-    (m + 1,) and which they are; the parameters found (m,) */
+    /* starts and stops of pieces (k,), their capsules, those around `fan` of them each, hulls
+    (p + 1, D, k) or None, fan; returns a leaf, which keeps the arrays */
     Call call;
     begin(&call, count, 6);
     if (call.failed)
         return finish(&call, NULL);
-    Table points = reals(&call, values[1]), slacks = reals(&call, values[2]);
-    Places firsts = places(&call, values[3]), which = places(&call, values[4]);
-    Table found = output(&call, values[5]);
-    Index d = points.columns, m = points.rows, degree = 0, width = 0, most = 0, total = 0;
-    expect(&call, slacks.rows == m && found.rows == m && firsts.rows == m + 1 && d > 0,
-           "a slack and a parameter of each point are wanted");
-    expect(&call, PyTuple_Check(values[0]), "a tuple of leaves is wanted");
-    Index leaves = call.failed ? 0 : PyTuple_Size(values[0]);
-    Leaf *all = (Leaf *)scratch(&call, leaves * (Index)(sizeof(Leaf) / sizeof(double)));
-    for (Index k = 0; k < leaves && !call.failed; k++) {
-        Table hulls;
-        all[k] = leaf_of(&call, PyTuple_GetItem(values[0], k), d, &hulls);
-        Index pieces = all[k].nodes.count;
-        if (call.failed)
+    Table starts = reals(&call, values[0]), stops = reals(&call, values[1]);
+    Table pieces = reals(&call, values[2]), groups = reals(&call, values[3]);
+    Table hulls = reals_or_none(&call, values[4]);
+    Index fan = integer(&call, values[5]), d = pieces.rows / 2 - 1, k = starts.rows;
+    Leaf leaf = {nodes_of(&call, pieces, d), nodes_of(&call, groups, d), starts.at, stops.at, hulls.at,
+                 fan, hulls.at ? hulls.rows - 1 : 0, hulls.at && k ? hulls.columns / k : 0, NULL};
+    expect(&call, call.failed || !call.held, "the arrays of a leaf must lie row after row");
+    expect(&call, stops.rows == k && pieces.columns == k,
+           "two ends and a capsule of each piece are wanted");
+    expect(&call, fan > 0 && groups.columns == (k + fan - 1) / fan,
+           "a capsule around each few pieces is wanted");
+    expect(&call,
+           !hulls.at || (hulls.columns == leaf.width * k && leaf.degree >= 1 && leaf.degree < 512 &&
+                         (leaf.width == d || leaf.width == d + 1)),
+           "hulls are p + 1 rows of each piece");
+    Leaf *kept = call.failed ? NULL : malloc(sizeof(Leaf));
+    leaf.arrays =
+        kept ? PyTuple_Pack(5, values[0], values[1], values[2], values[3], values[4]) : NULL;
+    PyObject *capsule = NULL;
+    if (leaf.arrays) {
+        *kept = leaf;
+        capsule = PyCapsule_New(kept, NAME, release);
+    } else if (!call.failed && !kept)
+        PyErr_NoMemory();
+    if (!capsule) {
+        Py_XDECREF(leaf.arrays);
+        free(kept);
+        call.failed = 1;
+    }
+    return finish(&call, capsule);
+}
+
+/* -- the search ---------------------------------------------------------------------------------- */
+
+enum { MOST_LEVELS = 10 };
+
+/* A capsule that may hold the nearest place: how far it is at least, and where on its chord. */
+typedef struct {
+    double least, u;
+    Index at;
+} Candidate;
+
+typedef struct {
+    Nodes levels[MOST_LEVELS]; /* each around `fan` of the next, the last around leaves */
+    Index count, fan, dimension;
+    PyObject *leaves, *missing; /* lists */
+    Candidate *stack;           /* those that wait, of each level on the way down */
+    Index height, room;
+    Seeker seeker;
+    /* for the point at hand: the nearest place is not farther than `reach`, and the one found, on a
+    piece of a leaf, no farther than the nearest one and the slack */
+    const double *point;
+    double slack, reach, distance, u;
+    const Leaf *leaf;
+    Index piece;
+} Search;
+
+static void read_levels(Call *call, Search *search, PyObject *levels)
+{
+    expect(call,
+           PyTuple_Check(levels) && PyTuple_Size(levels) > 0 && PyTuple_Size(levels) <= MOST_LEVELS,
+           "a tuple of capsules is wanted, level by level");
+    search->count = call->failed ? 0 : PyTuple_Size(levels);
+    for (Index k = 0; k < search->count && !call->failed; k++) {
+        Table table = reals(call, PyTuple_GetItem(levels, k));
+        if (!k)
+            search->dimension = table.rows / 2 - 1;
+        search->levels[k] = nodes_of(call, table, search->dimension);
+        expect(call,
+               !k || search->levels[k - 1].count ==
+                         (search->levels[k].count + search->fan - 1) / search->fan,
+               "a capsule around each few of the next level is wanted");
+    }
+    expect(call,
+           call->failed || (PyList_Check(search->leaves) &&
+                            PyList_Size(search->leaves) == search->levels[search->count - 1].count),
+           "a list of as many leaves as there are capsules is wanted");
+}
+
+/* A leaf; of one that is not made, say which. */
+static const Leaf *leaf_at(Call *call, Search *search, Index at)
+{
+    PyObject *capsule = PyList_GetItem(search->leaves, at);
+    if (capsule == Py_None) {
+        PyObject *number = PyLong_FromSsize_t(at);
+        call->failed |= !number || PyList_Append(search->missing, number) < 0;
+        Py_XDECREF(number);
+        return NULL;
+    }
+    const Leaf *leaf = capsule ? PyCapsule_GetPointer(capsule, NAME) : NULL;
+    if (!leaf) {
+        call->failed = 1;
+        return NULL;
+    }
+    Index d = search->dimension;
+    Seeker *seeker = &search->seeker;
+    if (leaf->width && !seeker->degree)
+        *seeker = seeker_of(call, leaf->degree, d, leaf->width > d);
+    expect(call,
+           leaf->pieces.dimension == d && leaf->degree == seeker->degree &&
+               (!leaf->width || seeker->rational == (leaf->width > d)),
+           "leaves of one curve are wanted");
+    return call->failed ? NULL : leaf;
+}
+
+static inline void look_at(Search *search, const Nodes *nodes, Index first, Index stop,
+                           Index dimension)
+{
+    double reach = search->reach;
+    Candidate *next = search->stack + search->height;
+    for (Index k = first; k < stop; k++) {
+        double radius = *radius_of(nodes, k), far = reach + search->slack + radius, u;
+        double square = square_of(nodes, k, search->point, dimension, &u);
+        if (!(square <= far * far))
+            continue; /* most: without a root */
+        double away = sqrt(square);
+        *next++ = (Candidate){away - radius, u, k};
+        reach = smaller(reach, away + radius);
+    }
+    search->height = next - search->stack;
+    search->reach = reach;
+}
+
+/* Put those of some capsules on the stack that may hold the nearest place, the nearest first. */
+static void look(Call *call, Search *search, const Nodes *nodes, Index first, Index stop)
+{
+    Index begin = search->height, most = begin + stop - first;
+    if (most > search->room) {
+        Candidate *stack = realloc(search->stack, (size_t)(2 * most) * sizeof(Candidate));
+        if (!stack) {
+            PyErr_NoMemory();
+            call->failed = 1;
+            return;
+        }
+        search->stack = stack;
+        search->room = 2 * most;
+    }
+    if (nodes->dimension == 2)
+        look_at(search, nodes, first, stop, 2);
+    else
+        look_at(search, nodes, first, stop, nodes->dimension);
+    Candidate *found = search->stack + begin;
+    for (Index j = 1; j < search->height - begin; j++) {
+        Candidate one = found[j];
+        Index to = j;
+        for (; to && found[to - 1].least > one.least; to--)
+            found[to] = found[to - 1];
+        found[to] = one;
+    }
+}
+
+/* Look for a nearer place on a piece. */
+static void try_piece(Call *call, Search *search, const Leaf *leaf, Candidate piece)
+{
+    Seeker *seeker = &search->seeker;
+    int nearer = !search->leaf;
+    if (!leaf->width) { /* the piece is its chord */
+        nearer |= piece.least < search->distance;
+        if (nearer)
+            search->distance = piece.least;
+    } else {
+        seeker_take(seeker, leaf->hulls, leaf->pieces.count, piece.at, search->point);
+        if (seeker_may(seeker, search->distance, search->slack))
+            nearer |= seeker_finds(call, seeker, piece.u, search->slack, &search->distance, &piece.u);
+        search->reach = smaller(search->reach, search->distance);
+    }
+    if (nearer) {
+        search->leaf = leaf;
+        search->piece = piece.at;
+        search->u = piece.u;
+    }
+}
+
+/* Go down into those of some capsules that may hold the nearest place, the nearest first. Levels are
+followed by the groups of a leaf, and these by its pieces. */
+static void go_down(Call *call, Search *search, Index level, const Leaf *leaf, Index first,
+                    Index stop)
+{
+    Index begin = search->height, last = search->count - 1;
+    const Nodes *nodes = level <= last       ? &search->levels[level]
+                         : level == last + 1 ? &leaf->groups
+                                             : &leaf->pieces;
+    look(call, search, nodes, first, at_most(stop, nodes->count));
+    Index end = search->height;
+    for (Index j = begin; j < end && !call->failed; j++) {
+        Candidate one = search->stack[j];
+        if (one.least > search->reach + search->slack)
             break;
-        if (!k) {
-            degree = hulls.rows - 1;
-            width = hulls.at ? hulls.columns / pieces : 0;
-        }
-        expect(&call,
-               hulls.at ? hulls.rows == degree + 1 && hulls.columns == width * pieces &&
-                              degree >= 1 && degree < 512 && (width == d || width == d + 1)
-                        : !width,
-               "hulls are p + 1 rows of each piece, in all leaves or in none");
-        most = at_least(most, pieces);
+        if (level == last) {
+            const Leaf *below = leaf_at(call, search, one.at);
+            if (below)
+                go_down(call, search, level + 1, below, 0, below->groups.count);
+        } else if (level <= last + 1) {
+            Index fan = leaf ? leaf->fan : search->fan;
+            go_down(call, search, level + 1, leaf, fan * one.at, fan * (one.at + 1));
+        } else
+            try_piece(call, search, leaf, one);
     }
+    search->height = begin;
+}
+
+METHOD(core_nearest)
+{
+    /* capsules level by level, each around `fan` of the next, the last around leaves; a list of the
+    leaves, None for those that are not made; fan; points (m, d); how much nearer than the answer
+    another place may be, and what to add to that for each unit of a point's largest coordinate; the
+    parameters found (m,). Returns the numbers of leaves to be made first: without any all are found. */
+    Call call;
+    begin(&call, count, 7);
+    if (call.failed)
+        return finish(&call, NULL);
+    Search search = {.leaves = values[1], .fan = integer(&call, values[2])};
+    expect(&call, search.fan > 0, "a capsule holds some others");
+    read_levels(&call, &search, values[0]);
+    Table points = reals(&call, values[3]), found = output(&call, values[6]);
+    double slack = real(&call, values[4]), unit = real(&call, values[5]);
+    Index d = search.dimension, m = found.rows * found.columns;
+    expect(&call, points.rows * points.columns == m * d,
+           "room for a parameter of each point is wanted");
+    search.missing = call.failed ? NULL : PyList_New(0);
+    call.failed |= !search.missing;
     for (Index r = 0; r < m && !call.failed; r++) {
-        Index first = firsts.at[r], stop = firsts.at[r + 1], some = 0;
-        expect(&call, 0 <= first && first < stop && stop <= which.rows, "each point has leaves");
-        for (Index j = first; j < stop && !call.failed; j++) {
-            expect(&call, 0 <= which.at[j] && which.at[j] < leaves, "there is no such leaf");
-            some += call.failed ? 0 : all[which.at[j]].nodes.count;
-        }
-        total = at_least(total, some);
+        double largest = 0.0;
+        search.point = points.at + r * d;
+        for (Index c = 0; c < d; c++)
+            largest = larger(largest, fabs(search.point[c]));
+        search.slack = slack + unit * largest;
+        search.reach = search.distance = INFINITY;
+        search.leaf = NULL;
+        go_down(&call, &search, 0, NULL, 0, search.levels[0].count);
+        found.at[r] = NAN;
+        if (!search.leaf)
+            continue;
+        double start = search.leaf->starts[search.piece], stop = search.leaf->stops[search.piece];
+        found.at[r] = smaller(larger(start + search.u * (stop - start), start), stop);
     }
-    Candidate *near = (Candidate *)scratch(&call, total * (Index)(sizeof(Candidate) / sizeof(double)));
-    Seeker seeker = seeker_of(&call, at_least(degree, 1), d, width > d);
-    for (Index r = 0; r < m && !call.failed; r++) {
-        const double *point = points.at + r * d;
-        double reach = INFINITY, slack = slacks.at[r];
-        Index some = 0, kept = 0;
-        for (Index j = firsts.at[r]; j < firsts.at[r + 1]; j++) {
-            const Nodes *nodes = &all[which.at[j]].nodes;
-            for (Index k = 0; k < nodes->count; k++) {
-                double u, away = distance_of(nodes, k, point, &u), radius = radius_of(nodes, k);
-                if (away - radius <= reach)
-                    near[some++] = (Candidate){away - radius, u, which.at[j], k};
-                reach = smaller(reach, away + radius);
-            }
-        }
-        for (Index j = 0; j < some; j++)
-            if (near[j].least <= reach)
-                near[kept++] = near[j];
-        qsort(near, (size_t)kept, sizeof(Candidate), by_least);
-        Candidate best = near[0];
-        double distance = INFINITY, at = best.u;
-        for (Index j = 0; width && j < kept && near[j].least <= distance && !call.failed; j++) {
-            const Leaf *leaf = &all[near[j].leaf];
-            seeker_take(&seeker, leaf->hulls, leaf->nodes.count, near[j].piece, point);
-            if (seeker_may(&seeker, distance, slack) &&
-                seeker_finds(&call, &seeker, near[j].u, slack, &distance, &at))
-                best = near[j];
-        }
-        const Leaf *leaf = &all[best.leaf];
-        double start = leaf->starts[best.piece], end = leaf->stops[best.piece];
-        found.at[r] = smaller(larger(start + at * (end - start), start), end);
-    }
-    seeker_end(&seeker);
-    return finish(&call, Py_NewRef(Py_None));
+    free(search.stack);
+    seeker_end(&search.seeker);
+    return finish(&call, search.missing);
 }

@@ -4,25 +4,55 @@
 #include <math.h>
 #include <string.h>
 
+/* The segment of a parameter: its vertex is the last that does not stand behind. Near an earlier one
+it is found soon, and where the vertices of a block are about equally far apart. */
+static Index segment_at(Rope *t, Index near, double here)
+{
+    Index b = t->current, last = t->count - 1;
+    if (here < t->firsts[b] || (b < last && here >= t->firsts[b + 1]))
+        b = t->current = bisected(t->firsts, 0, last, here);
+    const double *at = t->blocks[b];
+    Index begin = t->begins[b], end = t->begins[b + 1] - 1 - begin, from = near - begin;
+    if (from < 0 || from > end) {
+        double share = (here - at[0]) / (at[end] - at[0]) * (double)end;
+        from = share > 4.0 && share < (double)end ? (Index)share - 4 : 0;
+    }
+    Index rows = t->begins[t->count];
+    return at_most(begin + interval_at(at, 0, end, from, here), rows - 2);
+}
+
 METHOD(core_interpolate)
 {
-    /* t (m,), points (m, d), parameters, points there (.., d); at a vertex the vertex itself */
+    /* t (m,), points (m, d) (each an array, or a rope), parameters or a number, points there (.., d);
+    at a vertex the vertex itself */
     Call call;
     begin(&call, count, 4);
     if (call.failed)
         return finish(&call, NULL);
-    Table t = reals(&call, values[0]), points = reals(&call, values[1]);
-    Table at = reals(&call, values[2]), found = output(&call, values[3]);
-    Index d = points.columns, last = t.rows - 2, all = at.rows * at.columns;
-    expect(&call, last >= 0 && t.columns == 1 && points.rows == t.rows,
+    Rope t = rope_of(&call, values[0]), points = rope_of(&call, values[1]);
+    double number = 0.0;
+    Table at = {&number, 1, 1};
+    if (PyFloat_Check(values[2]))
+        number = real(&call, values[2]);
+    else
+        at = reals(&call, values[2]);
+    Table found = output(&call, values[3]);
+    Index d = points.columns, all = at.rows * at.columns, k = -1;
+    expect(&call, rope_length(&t) >= 2 && t.columns == 1 && rope_length(&points) == rope_length(&t),
            "a polyline needs two vertices");
     expect(&call, found.rows * found.columns == all * d, "room for the points is missing");
-    Index k = 0;
+    double *room = scratch(&call, 2 * d), ends[2];
+    const double *span = NULL, *low = NULL;
     for (Index i = 0; !call.failed && i < all; i++) {
         double here = at.at[i];
-        k = interval_at(t.at, 0, last, k, here);
-        const double *low = points.at + k * d, *high = low + d;
-        double *point = found.at + i * d, u = (here - t.at[k]) / (t.at[k + 1] - t.at[k]);
+        Index near = k;
+        k = segment_at(&t, near, here);
+        if (k != near) {
+            span = rope_rows(&t, k, 2, ends);
+            low = rope_rows(&points, k, 2, room);
+        }
+        const double *high = low + d;
+        double *point = found.at + i * d, u = (here - span[0]) / (span[1] - span[0]);
         for (Index c = 0; c < d; c++)
             point[c] = u == 1.0 ? high[c] : low[c] + u * (high[c] - low[c]);
     }

@@ -7,15 +7,17 @@ chord, the nearest place of the stretch is between ``D - radius`` and ``D + radi
 radius shrinks with the *square* of the length of a smooth stretch, as that of a box does not: few
 capsules remain after each level, however many pieces there are.
 
-The tree is three levels of arrays, cut into leaves of about `FAN`**2 pieces. An edited curve takes
-over all leaves but those that it changed.
+The tree is levels of arrays; the lowest two are cut into leaves of about `FAN`**2 pieces. An edited
+curve takes over all leaves but those that it changed.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from functools import cached_property
 from itertools import pairwise
+from operator import is_
+from typing import TYPE_CHECKING
 
 import attrs
 import numpy as np
@@ -24,11 +26,16 @@ from multirep.arrays import Array, Indices
 from multirep.blocks import BlockArray
 from multirep.splines import compiled
 
+if TYPE_CHECKING:
+    from multirep.splines._core import Leaf as CoreLeaf
+
 __all__ = ["ACCURACY", "FAN", "Known", "Leaf", "Pieces", "Tree", "capsule_around", "capsules"]
 
 #: The nearest place that is found is within this part of the curve's size of the true distance (or
 #: as near as rounding lets it).
 ACCURACY = 1e-10
+#: An answer may also be farther than the true one by this part of the coordinates: rounding.
+UNIT = 64 * float(np.finfo(np.float64).eps)
 #: How many capsules one of the next level holds.
 FAN = 16
 #: Rounding of coordinates, chords and radii, in units in the last place of the coordinates.
@@ -79,9 +86,13 @@ def distances(nodes: Array, points: Array) -> tuple[Array, Array]:
     return u, np.sqrt(np.einsum("i...,i...->...", offsets, offsets))
 
 
-def merged_capsules(nodes: Array, firsts: Indices) -> Array:
-    """Return the capsules around runs of neighbouring ones that begin at ``firsts``."""
-    dimension = len(nodes) // 2 - 1
+def merged_capsules(nodes: Array) -> Array:
+    """Return the capsules around `FAN` neighbouring ones each."""
+    dimension, firsts = len(nodes) // 2 - 1, np.arange(0, nodes.shape[1], FAN)
+    if compiled.active:
+        around = np.empty((len(nodes), len(firsts)))
+        compiled.core.merged_capsules(nodes, FAN, _ULPS * _EPS, around)
+        return around
     starts = nodes[:dimension]
     stops = starts + nodes[dimension:-2]
     counts = np.append(firsts[1:], nodes.shape[1]) - firsts
@@ -134,11 +145,6 @@ class Pieces:
     nodes: Array
     hulls: Array | None = None
 
-    @property
-    def arrays(self) -> tuple[Array, Array, Array, Array | None]:
-        """All of them, for the core."""
-        return self.starts, self.stops, self.nodes, self.hulls
-
 
 @attrs.frozen(eq=False, slots=False)
 class Leaf:
@@ -165,9 +171,14 @@ class Leaf:
 
     @cached_property
     def groups(self) -> Array:
-        """The capsules of `FAN` pieces each."""
-        nodes = self.pieces.nodes
-        return merged_capsules(nodes, np.arange(0, nodes.shape[1], FAN))
+        """The capsules around `FAN` pieces each."""
+        return merged_capsules(self.pieces.nodes)
+
+    @cached_property
+    def read(self) -> CoreLeaf:
+        """All of it, as the core reads it."""
+        some = self.pieces
+        return compiled.core.leaf(some.starts, some.stops, some.nodes, self.groups, some.hulls, FAN)
 
 
 @attrs.frozen(eq=False, slots=False)
@@ -210,19 +221,29 @@ class Tree:
 
         Notes
         -----
-        O(spans that changed), and O(leaves) to put the leaves in a row.
+        O(spans that changed), and a copy of the capsules around the leaves.
         """
         if first >= stop and not shift:
             return self
         stop = max(stop, first, first - shift)  # the two ranges may overlap: what is kept must not
         ends = self._ends
         head = int(ends.searchsorted(first, "right"))
-        begins = ends - np.array([leaf.spans for leaf in self.leaves])
+        begins = np.append(0, ends[:-1])
         tail = max(int(begins.searchsorted(stop)), head)
         low = int(ends[head - 1]) if head else 0
         high = (int(begins[tail]) if tail < len(ends) else int(ends[-1])) + shift
         fresh = _built(build, low, high)
-        return Tree((*self.leaves[:head], *fresh, *self.leaves[tail:]))
+        new = Tree((*self.leaves[:head], *fresh, *self.leaves[tail:]))
+        wholes = [leaf.whole for leaf in fresh if leaf.whole is not None]
+        if len(wholes) == len(fresh) and len(self.filled) == len(self.leaves):
+            # all are filled, as nearly always: what is known of those that stay is taken over
+            made = low + np.cumsum([leaf.spans for leaf in fresh], dtype=np.intp)
+            vars(new).update(
+                filled=new.leaves,
+                tops=np.concatenate((self.tops[:, :head], *wholes, self.tops[:, tail:]), axis=1),
+                _ends=np.concatenate((ends[:head], made, ends[tail:] + shift)),
+            )
+        return new
 
     @cached_property
     def _ends(self) -> Indices:
@@ -242,9 +263,22 @@ class Tree:
         return np.concatenate(wholes, axis=1)
 
     @cached_property
-    def crowns(self) -> Array:
-        """The capsules around `FAN` leaves each."""
-        return merged_capsules(self.tops, np.arange(0, self.tops.shape[1], FAN))
+    def levels(self) -> tuple[Array, ...]:
+        """The capsules from above: each around `FAN` of the next level, the last around leaves."""
+        levels = [self.tops]
+        while levels[0].shape[1] > FAN * FAN // 4:  # fewer are looked at as soon
+            levels.insert(0, merged_capsules(levels[0]))
+        return tuple(levels)
+
+    @cached_property
+    def read(self) -> list[CoreLeaf | None]:
+        """The filled leaves as the core reads them; None for those that it has not asked for."""
+        return [None] * len(self.filled)
+
+    @cached_property
+    def slack(self) -> float:
+        """How much nearer than the answer a place may be to a point at the origin."""
+        return ACCURACY * self.extent + UNIT * self.magnitude
 
     @cached_property
     def extent(self) -> float:
@@ -278,18 +312,19 @@ class Known:
         #: The size of the curve when it was first asked.
         self.size = 0.0
 
+    def __reduce__(self) -> tuple[object, ...]:
+        return Known, ()  # whoever gets a copy of a curve can make a tree of it
+
     def is_of(self, arrays: tuple[BlockArray, ...]) -> bool:
         """Whether the tree is that of exactly these arrays."""
-        return len(arrays) == len(self.arrays) and all(
-            a is b for a, b in zip(arrays, self.arrays, strict=True)
-        )
+        return len(arrays) == len(self.arrays) and all(map(is_, arrays, self.arrays))
 
     def learn(self, arrays: tuple[BlockArray, ...], tree: Tree, degree: int = 1) -> None:
         """Keep another tree."""
         self.arrays, self.tree, self.degree = arrays, tree, degree
 
 
-def _built(build: Callable[[int, int], Leaf], low: int, high: int) -> Iterable[Leaf]:
+def _built(build: Callable[[int, int], Leaf], low: int, high: int) -> list[Leaf]:
     """Build leaves of at most `FAN`**2 spans, about equally many each."""
     count = -(-(high - low) // FAN**2)
     marks = [low + (high - low) * k // count for k in range(count)] + [high] if count else []

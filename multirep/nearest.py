@@ -3,20 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from math import dist
-from typing import TYPE_CHECKING
+from math import dist, isfinite
 
 import numpy as np
 
 from multirep.arrays import Array, ArrayLike
-from multirep.capsules import ACCURACY
+from multirep.capsules import ACCURACY, Tree
 from multirep.errors import InvalidCurveError, ToleranceError
 from multirep.interval import Interval
+from multirep.nearest_tree import nearest_parameter, nearest_parameters
+from multirep.representation import Nearest, Representation
 from multirep.splices import SpliceList
-
-if TYPE_CHECKING:
-    from multirep.capsules import Tree
-    from multirep.representation import Nearest, Representation
 
 #: First tolerance, relative to the size of the curve: coarse enough to be cheap, fine enough to
 #: discard most of it.
@@ -45,9 +42,6 @@ def nearest_in_tree(curve: Representation, tree: Callable[[], Tree], point: Arra
     InvalidCurveError
         When a point is not finite or has another dimension.
     """
-    from multirep.nearest_tree import nearest_parameter, nearest_parameters
-    from multirep.representation import Nearest
-
     points = _checked(curve, point)
     if points.ndim == 1:
         t = nearest_parameter(tree(), points)
@@ -60,8 +54,6 @@ def nearest_in_tree(curve: Representation, tree: Callable[[], Tree], point: Arra
 
 def many_nearest(curve: Representation, points: Array) -> Nearest:
     """Ask for the nearest place to each of (m, d) points, one by one."""
-    from multirep.representation import Nearest
-
     found = [curve.nearest(point) for point in _checked(curve, points)]
     return Nearest(
         np.array([place.t for place in found]),
@@ -73,7 +65,9 @@ def many_nearest(curve: Representation, points: Array) -> Nearest:
 def _checked(curve: Representation, point: ArrayLike) -> Array:
     points: Array = np.asarray(point, dtype=np.float64)
     right = points.ndim in (1, 2) and points.shape[-1] == curve.dimension
-    if not right or not np.isfinite(points).all():
+    # of a few numbers faster one by one
+    finite = all(map(isfinite, points.tolist())) if points.ndim == 1 else np.isfinite(points).all()
+    if not (right and finite):
         raise InvalidCurveError(
             f"expected a finite point of {curve.dimension} coordinates, got {point!r}"
         )
@@ -103,8 +97,6 @@ def nearest_by_sampling(curve: Representation, point: Array) -> Nearest:
     InvalidCurveError
         When the point is not a finite point of the curve's dimension.
     """
-    from multirep.representation import Nearest
-
     _checked(curve, point)
     size = max(curve.magnitude, float(np.abs(point).max()), np.finfo(float).tiny)
     tolerance = FIRST_TOLERANCE * size

@@ -2,7 +2,8 @@
 
 Both go down the levels with all capsules that may still hold the answer: those that begin before
 the nearest one ends (`multirep.capsules`). The pieces that are left are decided by
-`multirep.splines.closest`.
+`multirep.splines.closest`. The core goes down into the nearest first: what begins behind a place
+that it has found there, it need not look into.
 """
 
 from __future__ import annotations
@@ -13,33 +14,29 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from multirep.arrays import Array, Indices
-from multirep.capsules import ACCURACY, FAN, Leaf, Pieces, Tree, distances
+from multirep.capsules import FAN, UNIT, Leaf, Pieces, Tree, distances
 from multirep.errors import InvariantError
 from multirep.splines import compiled
 from multirep.splines.closest import NOISE, least_on_piece, least_on_pieces, not_clear, squared
 
 __all__ = ["nearest_parameter", "nearest_parameters"]
 
-#: An answer is no farther than the true one plus `ACCURACY` and so many units in the last place of
-#: the coordinates.
-_ULPS = 64
 #: So many points are looked at together: more do not stay in the cache.
 _TOGETHER = 256
 #: The groups of so many leaves are looked at without asking their leaves first.
 _HANDFUL = 4
 
-_EPS = float(np.finfo(np.float64).eps)
 _CHILDREN = np.arange(FAN)
 
 
 def nearest_parameter(tree: Tree, point: Array) -> float:
     """Return the parameter of a place nearest to ``point``, (d,).
 
-    Cost: some ten numpy calls for each of three levels, and some microseconds for each piece that
-    may hold the answer; of several equally near places, any.
+    Cost: in the core a microsecond or two; else some ten numpy calls for each of three levels, and
+    some microseconds for each piece that may hold the answer. Of several equally near places, any.
     """
     if compiled.active:
-        return float(_by_core(tree, point[None])[0])
+        return _by_core(tree, point).item()
     column = point[:, None]
     near: Sequence[Leaf] = tree.filled
     if len(near) > _HANDFUL:
@@ -116,8 +113,8 @@ def _between(start: float, stop: float, at: float) -> float:
 
 def _slack(tree: Tree, points: Array) -> Array:
     """How much nearer than the answer a place may be, for each column of ``points``."""
-    sizes: Array = np.abs(points).max(axis=0) + tree.magnitude
-    return ACCURACY * tree.extent + _ULPS * _EPS * sizes
+    slack: Array = tree.slack + UNIT * np.abs(points).max(axis=0)
+    return slack
 
 
 def _decided(tree: Tree, hulls: Array, column: Array, u: Array, least: Array) -> tuple[int, float]:
@@ -158,7 +155,7 @@ def _least(
 
 
 def nearest_parameters(tree: Tree, points: Array) -> Array:
-    """Return the parameters (m,) of places nearest to ``points``, (m, d); some 5 us each."""
+    """Return the parameters (m,) of places nearest to ``points``, (m, d)."""
     if compiled.active and len(points):
         return _by_core(tree, points)
     found = np.empty(len(points))
@@ -170,24 +167,13 @@ def nearest_parameters(tree: Tree, points: Array) -> Array:
 
 
 def _by_core(tree: Tree, points: Array) -> Array:
-    """Do the same in the core, point by point: which leaves, then which place of their pieces."""
-    leaves, count = tree.filled, len(points)
-    if len(leaves) == 1:
-        firsts, which = np.arange(count + 1), np.zeros(count, dtype=np.intp)
-    else:
-        crowns = tree.crowns if len(leaves) > FAN * FAN // 4 else None
-        firsts, which = (
-            np.frombuffer(row, dtype=np.intp)
-            for row in compiled.core.near(tree.tops, crowns, FAN, points)
-        )
-        if count == 1:
-            used, which = which, np.arange(len(which))
-        else:
-            used, which = np.unique(which, return_inverse=True)
-        leaves = tuple(leaves[k] for k in used.tolist())
-    found = np.empty(count)
-    pieces = tuple(leaf.pieces.arrays for leaf in leaves)
-    compiled.core.nearest(pieces, points, _slack(tree, points.T), firsts, which, found)
+    """Do the same in the core; pieces that it has not seen before are made first."""
+    found, leaves = np.empty(1 if points.ndim == 1 else len(points)), tree.read
+    while missing := compiled.core.nearest(
+        tree.levels, leaves, FAN, points, tree.slack, UNIT, found
+    ):
+        for k in missing:
+            leaves[k] = tree.filled[k].read
     return found
 
 
@@ -197,13 +183,11 @@ def _nearest_together(tree: Tree, points: Array) -> Array:
         near = _all_kept(leaves[0].pieces.nodes, points)
     elif len(leaves) <= _HANDFUL:
         near = _all_kept(_joined([leaf.groups for leaf in leaves]), points)
-    elif len(leaves) <= FAN * FAN // 4:
-        near = _all_kept(tree.tops, points)
     else:
-        near = _all_kept(tree.crowns, points)
-        count = len(leaves)
-        begins = np.arange(0, count, FAN)
-        near = _kept_pairs(tree.tops, points, *_children(near, begins, count))
+        near = _all_kept(tree.levels[0], points)
+        for level in tree.levels[1:]:
+            count = level.shape[1]
+            near = _kept_pairs(level, points, *_children(near, np.arange(0, count, FAN), count))
     if len(leaves) > _HANDFUL:
         used, which = np.unique(near.which, return_inverse=True)
         leaves = [leaves[k] for k in used.tolist()]

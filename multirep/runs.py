@@ -4,33 +4,43 @@ from __future__ import annotations
 
 from bisect import bisect_left, bisect_right
 from collections.abc import Iterable, Iterator, Sequence
+from functools import cached_property
 from itertools import accumulate, chain, islice, pairwise, takewhile
 from operator import is_
-from typing import Any, TypeAlias
+from typing import TYPE_CHECKING, Any
 
 from multirep.arrays import Array
 from multirep.splines import compiled
 
-#: Some neighbouring blocks of an array, none empty.
-Run: TypeAlias = tuple[Array, ...]
+if TYPE_CHECKING:
+    from multirep.splines._core import Rope
 
 #: Blocks in a full run. An edit copies the list of one run and the list of all: at 10**6 rows in
 #: blocks of 1024, both are about this long.
 RUN_BLOCKS = 32
 
 
+class Run(tuple[Array, ...]):
+    """Some neighbouring blocks of an array, none empty."""
+
+    @cached_property
+    def rope(self) -> Rope:
+        """The blocks as the core reads them, only with it; made when first asked for."""
+        return compiled.core.rope(tuple(self))  # the rope keeps what it is of: not this run
+
+
 def runs_of(blocks: Sequence[Array]) -> tuple[Run, ...]:
     """Cut blocks into runs between half and one and a half times as many as a full one."""
     count = round(len(blocks) / RUN_BLOCKS)
     if count <= 1:
-        return (tuple(blocks),) if blocks else ()
+        return (Run(blocks),) if blocks else ()
     marks = [len(blocks) * k // count for k in range(count + 1)]
-    return tuple(tuple(blocks[i:j]) for i, j in pairwise(marks))
+    return tuple(Run(blocks[i:j]) for i, j in pairwise(marks))
 
 
-def rows_of(run: Run) -> int:
-    """Return how many rows a run has."""
-    return sum(map(len, run))
+def rows_of(blocks: Iterable[Array]) -> int:
+    """Return how many rows some blocks have."""
+    return sum(map(len, blocks))
 
 
 def ends_of(runs: tuple[Run, ...]) -> tuple[int, ...]:
@@ -108,7 +118,7 @@ def with_block(
     run, more = runs[g], len(block) - len(runs[g][k])
     if more:
         ends = (*ends[:g], *[end + more for end in ends[g:]])
-    return (*runs[:g], (*run[:k], block, *run[k + 1 :]), *runs[g + 1 :]), ends
+    return (*runs[:g], Run((*run[:k], block, *run[k + 1 :])), *runs[g + 1 :]), ends
 
 
 def shared_ends(one: Sequence[object], other: Sequence[object]) -> tuple[int, int]:

@@ -20,8 +20,6 @@ __all__ = ["SplineCurve", "Window"]
 #: Parameters that are farther apart than this many spans each are evaluated one by one: going
 #: through the spans between them takes longer.
 SCATTERED = 2000
-#: A window of more spans than this is not copied out of its blocks if it is much of the curve.
-LONG, MUCH = 4096, 1 / 8
 
 #: Knots (n + p + 1,), control points (n, d), weights (n,) or None for ones.
 Window = tuple[Array, Array, Array | None]
@@ -54,8 +52,8 @@ class SplineCurve(Representation):
     def __call__(self, t: ArrayLike) -> Array:
         """Points at parameters: scalar -> (d,), (m,) -> (m, d).
 
-        Cost: some microseconds for one parameter whatever n; in bulk, with the compiled core, a
-        third of scipy's time or, where it must fetch a span for each parameter, about all of it.
+        Cost: with the compiled core a microsecond for one parameter, whatever n; in bulk a third of
+        scipy's time or, where it must fetch a span for each parameter, about all of it.
 
         Raises
         ------
@@ -95,6 +93,9 @@ class SplineCurve(Representation):
         return nearest_in_tree(self, self._tree, point)
 
     def _point_at(self, t: float) -> Array:
+        found = self._by_core(t, np.empty(self.dimension)) if compiled.active else None
+        if found is not None:
+            return found
         span = self.span(t)
         return curve_point(*self._window(span, span), self.degree, t)
 
@@ -102,21 +103,23 @@ class SplineCurve(Representation):
         count = len(t)
         if not count:
             return np.empty((0, self.dimension))
+        found = self._by_core(t, np.empty((count, self.dimension))) if compiled.active else None
+        if found is not None:
+            return found
         first, last = self.span(float(t.min())), self.span(float(t.max()))
-        spans = last - first
-        if spans > SCATTERED * count:
+        if last - first > SCATTERED * count:
             return np.stack([self._point_at(s) for s in t.tolist()])
-        if compiled.active and spans > LONG and spans > MUCH * self.size:
-            stored = self._in_blocks()
-            if stored is not None:
-                knots, points, weights = stored
-                own = None if weights is None else weights.blocks
-                found = np.empty((count, self.dimension))
-                compiled.core.points(
-                    knots.blocks, points.blocks, own, self.degree, t, 0, False, True, found
-                )
-                return found
         return curve_points(*self._window(first, last), self.degree, t)
+
+    def _by_core(self, t: float | Array, found: Array) -> Array | None:
+        """Evaluate where the blocks are, if their knots are parameters; as windows, bit for bit."""
+        stored = self._in_blocks()
+        if stored is None:
+            return None
+        knots, points, weights = stored
+        own = None if weights is None else weights.rope
+        compiled.core.points(knots.rope, points.rope, own, self.degree, t, 0, False, True, found)
+        return found
 
     def _derivatives_at(self, t: Array, order: int, side: Side) -> Array:
         if not len(t):

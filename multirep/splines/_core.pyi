@@ -1,19 +1,24 @@
 """What the compiled core offers. Arrays that a function fills come last; see the C files."""
 
-from typing import TypeAlias
+from typing import TypeAlias, TypeVar
 
 from multirep.splines.arrays import Array, IntArray
 
+_Run = TypeVar("_Run", bound=tuple[Array, ...])
 _Runs: TypeAlias = tuple[tuple[Array, ...], ...]
 
+class Rope:
+    """The rows of blocks, end to end."""
+
+def rope(parts: tuple[Array, ...] | tuple[Rope, ...], /) -> Rope: ...
 def find_spans(knots: Array, degree: int, t: Array, spans: IntArray, /) -> None: ...
 def basis_functions(
     knots: Array, degree: int, t: Array, spans: IntArray, values: Array, /
 ) -> None: ...
 def points(
-    knots: Array | tuple[Array, ...],
-    points: Array | tuple[Array, ...],
-    weights: Array | tuple[Array, ...] | None,
+    knots: Array | tuple[Array, ...] | Rope,
+    points: Array | tuple[Array, ...] | Rope,
+    weights: Array | tuple[Array, ...] | Rope | None,
     degree: int,
     t: Array | float,
     order: int,
@@ -23,18 +28,24 @@ def points(
     /,
 ) -> None: ...
 def capsule(points: Array, ends: Array, part: float, found: Array, /) -> None: ...
-def near(
-    tops: Array, crowns: Array | None, fan: int, points: Array, /
-) -> tuple[bytearray, bytearray]: ...
+def merged_capsules(nodes: Array, fan: int, part: float, found: Array, /) -> None: ...
+
+class Leaf:
+    """The pieces of a leaf and their capsules."""
+
+def leaf(
+    starts: Array, stops: Array, nodes: Array, groups: Array, hulls: Array | None, fan: int, /
+) -> Leaf: ...
 def nearest(
-    leaves: tuple[tuple[Array, Array, Array, Array | None], ...],
+    levels: tuple[Array, ...],
+    leaves: list[Leaf | None],
+    fan: int,
     points: Array,
-    slacks: Array,
-    firsts: IntArray,
-    which: IntArray,
+    slack: float,
+    unit: float,
     found: Array,
     /,
-) -> None: ...
+) -> list[int]: ...
 def blossom(
     knots: Array,
     coefficients: Array,
@@ -177,7 +188,9 @@ def insert_knots(
     /,
 ) -> tuple[list[float], list[float]] | None: ...
 def halves(starts: Array, stops: Array, middles: Array, /) -> None: ...
-def interpolate(t: Array, points: Array, at: Array, found: Array, /) -> None: ...
+def interpolate(
+    t: Array | Rope, points: Array | Rope, at: Array | float, found: Array, /
+) -> None: ...
 def kinks(t: Array, points: Array, limit: float, /) -> list[float]: ...
 def simplify(
     t: Array, values: Array, targets: Array, allowed: Array, keep: IntArray, rounds: int, /
@@ -243,7 +256,7 @@ def insert_knot(
 def place(runs: _Runs, ends: tuple[int, ...], row: int, /) -> tuple[Array, int, int, int]: ...
 def searched(runs: _Runs, ends: tuple[int, ...], value: float, right: bool, /) -> int: ...
 def with_block(
-    runs: _Runs, ends: tuple[int, ...], run: int, k: int, block: Array, /
-) -> tuple[_Runs, tuple[int, ...]]: ...
+    runs: tuple[_Run, ...], ends: tuple[int, ...], run: int, k: int, block: Array, /
+) -> tuple[tuple[_Run, ...], tuple[int, ...]]: ...
 def joined(block: Array, start: int, stop: int, rows: Array, made: Array, /) -> None: ...
 def shared_rows(runs: _Runs, ends: tuple[int, ...], others: _Runs, from_end: bool, /) -> int: ...

@@ -7,6 +7,7 @@ import numpy as np
 from multirep.arrays import Array, Indices
 from multirep.blocks import BLOCK_ROWS, BlockArray
 from multirep.sampled import interpolate
+from multirep.splines import compiled
 
 #: Rows that may be cut out as one window however few parameters are asked for: joining a few blocks
 #: is cheaper than going through them one by one.
@@ -31,6 +32,10 @@ def evaluate(t: BlockArray, points: BlockArray, at: Array) -> Array:
     """
     if not at.size:
         return np.empty((0, points.shape[1]))
+    if compiled.active:
+        found = np.empty((len(at), points.shape[1]))
+        compiled.core.interpolate(t.rope, points.rope, at, found)
+        return found
     start, stop = cover(t, float(at.min()), float(at.max()))
     if stop - start <= max(NARROW, 8 * len(at)):
         return interpolate(t.window(start, stop), points.window(start, stop), at)
@@ -49,6 +54,10 @@ def evaluate(t: BlockArray, points: BlockArray, at: Array) -> Array:
 
 def evaluate_one(t: BlockArray, points: BlockArray, at: float) -> Array:
     """One point, (d,), bit for bit as `evaluate` gives it; cheaper."""
+    if compiled.active:
+        found = np.empty(points.shape[1])
+        compiled.core.interpolate(t.rope, points.rope, at, found)
+        return found
     k = min(max(t.searchsorted(at, "right") - 1, 0), len(t) - 2)
     (start, stop), (low, high) = t.window(k, k + 2).tolist(), points.window(k, k + 2)
     u = (at - start) / (stop - start)

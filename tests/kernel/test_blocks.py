@@ -15,6 +15,7 @@ from multirep import blocks, runs
 from multirep.arrays import Array
 from multirep.blocks import BlockArray
 from multirep.errors import InvariantError
+from multirep.splines import compiled
 
 
 @pytest.fixture(autouse=True, scope="module")
@@ -366,3 +367,25 @@ def test_rows_of_the_wrong_shape_are_refused() -> None:
         a.replaced(8, 11, np.empty((0, 2)))
     with pytest.raises(IndexError, match="5:4"):
         a.replaced(5, 4, np.empty((0, 2)))
+
+
+@pytest.mark.skipif(compiled.core is None, reason="the core was not built")
+def test_an_edit_ropes_the_run_that_it_changed(monkeypatch: pytest.MonkeyPatch) -> None:
+    """And puts the ropes of all runs in a row; what nobody reads has none."""
+    before = BlockArray.of(flat(2000))
+    before.rope  # noqa: B018
+    after = before.replaced(1000, 1003, [1.0, 2.0, 3.0])
+    made: list[tuple[object, ...]] = []
+
+    class Watched:
+        def rope(self, parts: tuple[object, ...]) -> object:
+            made.append(parts)
+            return core.rope(parts)  # type: ignore[arg-type]
+
+    core = compiled.core
+    monkeypatch.setattr(compiled, "core", Watched())
+    assert after.rope is after.rope
+    known = set(map(id, before.runs))
+    (changed,) = [run for run in after.runs if id(run) not in known]
+    assert made == [tuple(changed), tuple(run.rope for run in after.runs)]
+    assert len(after.runs) > 10

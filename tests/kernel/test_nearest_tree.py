@@ -13,7 +13,7 @@ import multirep.capsules
 import multirep.nearest_tree
 import multirep.spline_tree
 from multirep.arrays import Array
-from multirep.capsules import FAN, Tree, capsule_around, capsules, distances
+from multirep.capsules import FAN, Leaf, Tree, capsule_around, capsules, distances
 from multirep.errors import InvalidCurveError
 from multirep.interval import Interval
 from multirep.nearest import nearest_by_sampling
@@ -165,6 +165,20 @@ def test_equally_near_places() -> None:
         assert curve.nearest([0.0, 1e-12]).distance <= 1.0
 
 
+def test_equally_near_places_of_many_leaves() -> None:
+    """A polygon around its centre, and beside it: no leaf can be left out, and none is needed."""
+    turn = np.linspace(0, 2 * np.pi, 20_001)
+    polygon = Polyline.from_points(np.stack([np.cos(turn), np.sin(turn)], axis=1))
+    apothem = np.cos(np.pi / 20_000)
+    offsets = np.array([[0.0, 0.0], [1e-12, 0], [0, 1e-7], [0.5, 0.5], [1e6, -1e6]])
+    expected = np.abs(np.linalg.norm(offsets, axis=1) - 1.0)
+    slack = 1e-9 + 1e-14 * np.abs(offsets).max(axis=1)
+    alone = np.array([polygon.nearest(x).distance for x in offsets])
+    for found in (polygon.nearest(offsets).distance, alone):
+        assert (found <= expected + slack).all()
+        assert (found >= expected - (1 - apothem) - slack).all()
+
+
 def test_a_place_where_a_piece_crosses_itself() -> None:
     """One loop of one cubic: both branches pass the crossing; the nearer one is taken."""
     loop = Nurbs(degree=3, knots=[0] * 4 + [1] * 4, points=[[0, 0], [3, 2], [-2, 2], [1, 0]])
@@ -269,6 +283,36 @@ def test_only_leaves_that_changed_are_made_anew(what: str, made: list[int]) -> N
     made.clear()
     curve.nearest(points[77])
     assert not made
+
+
+@settings(max_examples=50)
+@given(
+    st.integers(1, 60),
+    st.lists(st.tuples(st.integers(0, 60), st.integers(0, 20), st.integers(-10, 10)), max_size=5),
+    st.sampled_from([0, 0, 3]),
+)
+@pytest.mark.usefixtures("tiny_leaves")
+def test_what_a_tree_takes_over_is_what_it_would_find(
+    count: int, edits: list[tuple[int, int, int]], empty: int
+) -> None:
+    """The capsules around all leaves and where they end; with empty leaves too."""
+
+    def build(first: int, stop: int) -> Leaf:
+        whole = None if empty and first % empty == 0 else np.random.default_rng(0).random((6, 1))
+        return Leaf(stop - first, whole, lambda: pytest.fail("nobody looks at pieces"))
+
+    tree = Tree.of(build, count)
+    for first, length, shift in edits:
+        first, stop = min(first, count), min(first + length, count)
+        shift = max(shift, first - stop, 1 - count)
+        renewed = tree.renewed(build, first, stop, shift)
+        other, count = Tree(renewed.leaves), count + shift
+        assert sum(leaf.spans for leaf in other.leaves) == count
+        assert renewed.filled == other.filled
+        assert renewed._ends.tolist() == other._ends.tolist()
+        if other.filled:
+            assert np.array_equal(renewed.tops, other.tops)
+        tree = renewed
 
 
 def test_pieces_far_away_are_not_made() -> None:

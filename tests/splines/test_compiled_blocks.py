@@ -54,7 +54,7 @@ def arrays(draw: st.DrawFn) -> tuple[tuple[Run, ...], tuple[int, ...]]:
     numbers, made, at = np.cumsum(steps), [], 0
     for some in lengths:
         stops = (at + np.cumsum(some)).tolist()
-        made.append(tuple(numbers[i:j] for i, j in zip([at, *stops], stops, strict=False)))
+        made.append(Run(numbers[i:j] for i, j in zip([at, *stops], stops, strict=False)))
         at = stops[-1]
     return tuple(made), runs.ends_of(tuple(made))
 
@@ -100,6 +100,7 @@ def test_blocks_are_exchanged_alike(
         wanted[g][k] = id(other)
         assert ids(found) == wanted
         assert all(a is b for h, (a, b) in enumerate(zip(some, found, strict=True)) if h != g)
+        assert all(type(run) is type(some[0]) for run in found)
         assert found_ends == runs.ends_of(found)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import datetime
 from typing import Any
 
 import numpy as np
@@ -11,8 +12,9 @@ from hypothesis import strategies as st
 from test_compiled import Spline, both, core, parameters, same, seeds, splines
 
 from multirep.arrays import Array
-from multirep.capsules import capsule_around
+from multirep.capsules import capsule_around, capsules, merged_capsules
 from multirep.representations import Nurbs, Polyline
+from multirep.sampled import interpolate
 from multirep.splines import compiled, evaluate
 from multirep.splines.rational import curve_point, curve_points
 
@@ -67,6 +69,15 @@ def test_points_have_the_same_bits_with_and_without_weights(
     assert np.array_equal(fast, pure)
 
 
+def rope(parts: tuple[Array, ...] | None, rng: np.random.Generator) -> Any:
+    """Join blocks, some of them in ropes before."""
+    if parts is None:
+        return None
+    cut = int(rng.integers(0, len(parts) + 1))
+    ends = [compiled.core.rope(some) for some in (parts[:cut], parts[cut:]) if some]
+    return compiled.core.rope(tuple(ends))
+
+
 @given(splines(), seeds, st.booleans())
 def test_blocks_give_what_flat_arrays_give(spline: Spline, seed: int, shuffled: bool) -> None:
     """Wherever the knots, control points and weights are cut, each on its own."""
@@ -82,6 +93,67 @@ def test_blocks_give_what_flat_arrays_give(spline: Spline, seed: int, shuffled: 
     cut = [blocks(array, rng) for array in flat]
     compiled.core.points(*cut, *rest, found)  # type: ignore[arg-type, call-arg]
     assert same(found, expected)
+    ropes = [rope(parts, rng) for parts in cut]
+    compiled.core.points(*ropes, *rest, found)  # type: ignore[arg-type, call-arg]
+    assert same(found, expected)
+    for at, row in zip(t.tolist(), expected, strict=True):
+        compiled.core.points(*ropes, spline.degree, at, 0, False, True, found[0])  # type: ignore[call-arg, arg-type]
+        assert same(found[0], row)
+
+
+@given(seeds, st.integers(2, 60), st.integers(1, 3), st.booleans())
+def test_ropes_of_polylines_give_what_flat_arrays_give(
+    seed: int, count: int, dimension: int, shuffled: bool
+) -> None:
+    """At vertices, between and at both ends; vertices crowd together in some places."""
+    rng = np.random.default_rng(seed)
+    t, points = (rng.random(count) ** 8 + 1e-9).cumsum(), rng.normal(size=(count, dimension))
+    at = np.concatenate((t, rng.uniform(t[0], t[-1], 100)))
+    if not shuffled:
+        at.sort()
+    flat, pure = both(lambda: interpolate(t, points, at))
+    assert same(flat, pure)
+    ropes = [rope(blocks(array, rng), rng) for array in (t, points)]
+    found = np.empty_like(flat)
+    compiled.core.interpolate(*ropes, at, found)  # type: ignore[arg-type]
+    assert same(found, flat)
+    for here, row in zip(at.tolist(), flat, strict=True):
+        compiled.core.interpolate(*ropes, here, found[0])  # type: ignore[arg-type]
+        assert same(found[0], row)
+
+
+def test_a_rope_outlives_its_arrays() -> None:
+    """It keeps the blocks, and a rope of ropes those of all."""
+    made = compiled.core.rope(
+        tuple(compiled.core.rope((np.arange(k, k + 500.0),)) for k in range(0, 50_000, 500))
+    )
+    found = np.empty((1, 1))
+    values = compiled.core.rope((np.arange(50_000.0)[:, None],))
+    compiled.core.interpolate(made, values, 41_234.5, found)
+    assert found == 41_234.5
+
+
+@pytest.mark.parametrize(
+    ("parts", "error", "message"),
+    [
+        ((), ValueError, "a block or more"),
+        ([np.zeros(2)], ValueError, "a block or more"),
+        ((np.zeros(0),), ValueError, "must have rows"),
+        ((np.zeros(4)[::2],), ValueError, "row after row"),
+        ((np.zeros(2), np.zeros((2, 2))), ValueError, "all of one length"),
+        ((np.zeros(2, dtype=np.float32),), TypeError, "format"),
+        ((np.zeros(2), "rope"), TypeError, "buffer|bytes-like"),
+    ],
+)
+def test_what_is_no_rope_is_refused(parts: Any, error: type[Exception], message: str) -> None:
+    """As parts of ropes too, and in the place of one; another capsule is none."""
+    with pytest.raises(error, match=message):
+        compiled.core.rope(parts)
+    whole, other = (compiled.core.rope((np.zeros(shape),)) for shape in (2, (2, 2)))
+    with pytest.raises(ValueError, match="all of one length"):
+        compiled.core.rope((whole, other))
+    with pytest.raises(ValueError, match="PyCapsule"):
+        compiled.core.rope((datetime.datetime_CAPI,))  # type: ignore[attr-defined]
 
 
 @given(splines(), seeds)
@@ -215,28 +287,101 @@ def test_nearest_places_are_as_near_as_numpy_finds_them(kind: str, count: int) -
     assert [place.t for place in alone] == fast.t.tolist()  # type: ignore[union-attr]
 
 
-def test_leaves_that_are_none_are_refused() -> None:
+@given(seeds, st.integers(1, 3), st.integers(1, 40))
+def test_capsules_are_merged_as_numpy_does(seed: int, dimension: int, count: int) -> None:
+    """The same but for the last bits of the radius; those of no length too."""
+    rng = np.random.default_rng(seed)
+    starts, stops = rng.integers(-2, 3, (2, dimension, count)) / 2
+    nodes = capsules(starts, stops, rng.random(count))
+    fast, pure = both(lambda: merged_capsules(nodes))
+    np.testing.assert_allclose(fast, pure, rtol=4e-15, atol=0)
+
+
+def test_what_are_no_capsules_is_refused() -> None:
     """Never read beyond an array."""
-    nodes = np.zeros((6, 2))
-    leaf = (np.zeros(2), np.ones(2), nodes, np.zeros((3, 2, 2)))
-    point, found = np.zeros((1, 2)), np.empty(1)
-    slack, firsts, which = np.zeros(1), np.array([0, 1]), np.array([0])
-    compiled.core.nearest((leaf,), point, slack, firsts, which, found)
-    bad: list[tuple[Any, ...]] = [
-        ((leaf,), point, slack, firsts, which + 1, found),
-        ((leaf,), point, slack, firsts, which - 1, found),
-        ((leaf,), point, slack, firsts + 1, which, found),
-        ((leaf,), point, slack, firsts * 0, which, found),
-        ((leaf,), np.zeros((1, 3)), slack, firsts, which, found),
-        ((leaf[:3],), point, slack, firsts, which, found),
-        (((*leaf[:3], np.zeros((3, 4, 2))),), point, slack, firsts, which, found),
-        (((np.zeros(3), *leaf[1:]),), point, slack, firsts, which, found),
-        ((leaf, (*leaf[:3], None)), point, slack, firsts, which, found),
+    for nodes, fan, found in (
+        (np.zeros((5, 4)), 2, np.zeros((6, 2))),
+        (np.zeros((6, 4)), 2, np.zeros((8, 2))),
+        (np.zeros((6, 4)), 2, np.zeros((6, 3))),
+        (np.zeros((6, 4)), 0, np.zeros((6, 2))),
+        (np.zeros((2, 4)), 2, np.zeros((2, 2))),
+    ):
+        with pytest.raises(ValueError, match="capsule"):
+            compiled.core.merged_capsules(nodes, fan, 0.0, found)
+
+
+NODES, GROUPS, HULLS = np.zeros((6, 3)), np.zeros((6, 2)), np.zeros((3, 2, 3))
+
+
+def leaf(**changes: Any) -> Any:
+    """Three pieces, two of them in a group."""
+    usual = {"starts": np.zeros(3), "stops": np.ones(3), "nodes": NODES, "groups": GROUPS}
+    return compiled.core.leaf(*(usual | {"hulls": HULLS, "fan": 2} | changes).values())  # type: ignore[call-arg, arg-type]
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"starts": np.zeros(2)},
+        {"stops": np.ones(4)},
+        {"starts": np.zeros(0), "stops": np.zeros(0), "nodes": NODES[:, :0]},
+        {"starts": np.zeros(6)[::2]},
+        {"nodes": NODES[:5]},
+        {"nodes": NODES[:, :2]},
+        {"nodes": np.zeros((2, 3))},
+        {"groups": np.zeros((6, 3))},
+        {"groups": np.zeros((8, 2))},
+        {"hulls": HULLS[:, :, :2]},
+        {"hulls": HULLS[:1]},
+        {"hulls": np.zeros((3, 4, 3))},
+        {"fan": 0},
+        {"fan": 3},
+    ],
+)
+def test_pieces_that_are_no_leaf_are_refused(change: dict[str, Any]) -> None:
+    """Never read beyond an array."""
+    leaf()
+    with pytest.raises(ValueError, match=r"wanted|leaf|hulls|columns"):
+        leaf(**change)
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"levels": ()},
+        {"levels": [np.zeros((6, 3))]},
+        {"levels": (np.zeros((6, 1)), np.zeros((6, 3)))},
+        {"levels": (np.zeros((6, 2)), np.zeros((8, 3)))},
+        {"levels": (np.zeros((6, 2)),)},
+        {"leaves": (None, None, None)},
+        {"leaves": [None]},
+        {"leaves": [leaf(), leaf(hulls=None), leaf()]},
+        {"leaves": [leaf(hulls=np.zeros((3, 3, 3))), leaf(), leaf()]},
+        {"leaves": [leaf(hulls=np.zeros((4, 2, 3))), leaf(), leaf()]},
+        {"leaves": [leaf(nodes=np.zeros((4, 3)), groups=np.zeros((4, 2)), hulls=None)] * 3},
+        {"leaves": [datetime.datetime_CAPI] * 3},  # type: ignore[attr-defined]
+        {"leaves": [0] * 3},
+        {"fan": 0},
+        {"fan": 3},
+        {"points": np.zeros((2, 2))},
+        {"points": np.zeros(3)},
+        {"found": np.zeros(2)},
     ]
-    for call in bad:
-        with pytest.raises(ValueError, match=r"wanted|leaves|leaf|rows|columns"):
-            compiled.core.nearest(*call)
-    with pytest.raises(ValueError, match=r"capsules are columns"):
-        compiled.core.near(nodes[:5], None, 16, point)
-    with pytest.raises(ValueError, match="wanted"):
-        compiled.core.near(nodes, nodes, 16, point)
+    if compiled.core is not None
+    else [],
+)
+def test_what_is_no_tree_is_refused(change: dict[str, Any]) -> None:
+    """Never read beyond an array."""
+    call = {
+        "levels": (np.zeros((6, 2)), np.zeros((6, 3))),
+        "leaves": [leaf(), leaf(), leaf()],
+        "fan": 2,
+        "points": np.zeros(2),
+        "slack": 0.0,
+        "unit": 0.0,
+        "found": np.empty(1),
+    }
+    assert compiled.core.nearest(*call.values()) == []  # type: ignore[arg-type]
+    assert compiled.core.nearest(*(call | {"leaves": [None] * 3}).values()) == [0, 1, 2]  # type: ignore[arg-type]
+    with pytest.raises(ValueError, match=r"wanted|holds|columns|PyCapsule"):
+        compiled.core.nearest(*(call | change).values())  # type: ignore[arg-type]
