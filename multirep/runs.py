@@ -21,7 +21,7 @@ RUN_BLOCKS = 32
 
 
 class Run(tuple[Array, ...]):
-    """Some neighbouring blocks of an array, none empty."""
+    """Some neighbouring blocks of an array, none empty: a tuple that can keep their rope."""
 
     @cached_property
     def rope(self) -> Rope:
