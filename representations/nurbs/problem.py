@@ -27,10 +27,14 @@ CORNER_WEIGHT = 1e4
 ROWS_PER_DEGREE = 2
 
 
-#: Only a vertex that stands out by this many allowances may become a corner, and only beside such
-#: ones a fit is looked at between the vertices of a chord. The vertices of a sampled smooth curve
-#: stand out by half an allowance.
+#: Only beside a vertex that stands out by this many allowances a fit is looked at between the
+#: vertices of a chord, and only there a corner that was stays one. The vertices of a sampled smooth
+#: curve stand out by half an allowance.
 KINK_HEIGHT = 1.0
+#: A vertex that stands out by so many allowances becomes a corner at once. Around one of height H
+#: simple knots need about log(H) of them more, a corner p - 1. Measured on coastlines and on
+#: outlines of icons: a quarter more control points at 1, the same between 8 and 20.
+CORNER_HEIGHT = 10.0
 
 
 class Course(NamedTuple):
@@ -65,6 +69,11 @@ class Course(NamedTuple):
     def from_sampled(cls, sampled: SampledSplice, tolerance: float) -> Course:
         """Make the course that a sampled splice and a tolerance ask for."""
         return cls.of(sampled.t, sampled.points, sampled.allowance(tolerance))
+
+    @property
+    def corners(self) -> Array:
+        """The parameters of vertices that stand out so far that a fit needs a corner there."""
+        return self.t[1:-1][self.heights > CORNER_HEIGHT]
 
     def allowed(self, at: Array) -> Array | float:
         """Return what is allowed at parameters; at a vertex the smaller of both chords."""

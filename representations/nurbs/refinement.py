@@ -1,18 +1,14 @@
-"""More knots where a fit fails: spans are cut, and corners become knots of full multiplicity."""
+"""More knots where a fit fails: spans are cut, in the last resort into corners."""
 
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from multirep.arrays import Array, Indices
-from multirep.representations.nurbs.problem import KINK_HEIGHT, Breakpoints, Course, Trial
+from multirep.representations.nurbs.problem import Breakpoints, Course, Trial
 
-#: A span with at most CORNER_VERTICES vertices of the polyline inside gets a corner when its
-#: residual exceeds the allowance this many times: smooth knots around a kink of height H need
-#: about log(H / allowance) of them, a corner p.
-CORNER_RATIO = 3.0
-CORNER_VERTICES = 2
+#: A span with no more vertices of the polyline inside is cut at the one nearest to its peak.
+FEW_VERTICES = 2
 #: When the span at an end of the window fails though it is shorter than this part of the first
 #: chord, the join there gives up its smoothness.
 APPROACH = 1 / 16
@@ -51,7 +47,6 @@ def refined(
     ratio = trial.worst[failing]
     new: list[Array] = []
     corners: list[Array] = []
-    kinked = kinks(course) if bool((inside <= CORNER_VERTICES).any()) else np.empty(0, dtype=bool)
     if corners_only:
         new.append(_between(t, low, high))
         corners.append(new[-1])
@@ -71,58 +66,35 @@ def refined(
         )
         near = np.clip(near, low, np.maximum(high - 1, low))
         vertex = t[near]
-        few = (inside > 0) & (inside <= CORNER_VERTICES)
+        few = (inside > 0) & (inside <= FEW_VERTICES)
         new.append(vertex[few])
-        if few.any():
-            sharp = few & (ratio > CORNER_RATIO)
-            corners.append(vertex[sharp][kinked[near[sharp]]])
-        many = np.flatnonzero(inside > CORNER_VERTICES)
+        many = np.flatnonzero(inside > FEW_VERTICES)
         parts = np.clip(np.ceil(0.9 * ratio[many] ** (1 / (p + 1))), 2, MOST_PARTS).astype(np.intp)
         parts = np.minimum(parts, inside[many] + 1)
         new.append(_quantiles(t, low[many], inside[many], parts))
         none = np.flatnonzero(inside == 0)
         if len(none):
-            _cut_bare(p, course, trial, failing[none], kinked, times, new)
+            new.append(_cut_bare(p, course, trial, failing[none], times))
     return merged_breakpoints(Breakpoints(at, times), np.concatenate(new), corners, p)
 
 
-def kinks(course: Course) -> NDArray[np.bool_]:
-    """Which vertices, (m + 1,), have a kink that can matter; the first and the last have not."""
-    found = np.zeros(len(course.t), dtype=bool)
-    found[1:-1] = course.heights > KINK_HEIGHT
-    return found
+def _cut_bare(p: int, course: Course, trial: Trial, spans: Indices, times: Indices) -> Array:
+    """Return the middles of spans without a vertex inside.
 
-
-def _cut_bare(
-    p: int,
-    course: Course,
-    trial: Trial,
-    spans: Indices,
-    kinked: NDArray[np.bool_],
-    times: Indices,
-    new: list[Array],
-) -> None:
-    """Cut spans without a vertex inside.
-
-    At a kinked end a corner; at an end of the window that was approached in vain for a while, a
-    knot of full multiplicity, so that only the point there is fixed; else in the middle.
+    At an end of the window that was approached in vain for a while, a knot of full multiplicity
+    instead, so that only the point there is fixed; that is put into ``times``.
     """
     at, t = trial.breakpoints.at, course.t
-    begins, ends = at[spans], at[spans + 1]
-    first, last = trial.ratios[trial.firsts[spans]], trial.ratios[trial.firsts[spans + 1]]
-    where = np.where(first > last, spans, spans + 1)
-    place = np.minimum(t.searchsorted(at[where]), len(t) - 1)
-    raised = (t[place] == at[where]) & kinked[place] & (times[where] < p)
-    times[where[raised]] = p
+    cut = np.ones(len(spans), dtype=bool)
     for end, chord in ((0, 0), (len(at) - 1, len(t) - 2)):
         span = end if end == 0 else end - 1
         short = at[span + 1] - at[span] < APPROACH * (t[chord + 1] - t[chord])
-        if short and times[end] < p:
-            hit = spans == span
-            times[end] = max(int(times[end]), p) if hit.any() else times[end]
-            raised |= hit
-    rest = ~raised
-    new.append(0.5 * (begins[rest] + ends[rest]))
+        hit = spans == span
+        if short and times[end] < p and hit.any():
+            times[end] = p
+            cut &= ~hit
+    spans = spans[cut]
+    return np.asarray(0.5 * (at[spans] + at[spans + 1]))
 
 
 def _peaks(trial: Trial, spans: Indices) -> Array:

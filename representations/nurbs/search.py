@@ -10,9 +10,6 @@ from multirep.representations.nurbs.equalizing import TARGET, equalized
 from multirep.representations.nurbs.problem import Breakpoints, Course, Problem, Trial
 from multirep.representations.nurbs.refinement import merged_breakpoints, refined
 
-#: A vertex that stands out by so many allowances becomes a corner at once: smooth knots around it
-#: would cost more control points. Measured on coastlines; flat between 5 and 20.
-CORNER_HEIGHT = 10.0
 #: Rounds of cutting before the last resort, corners at all vertices of what still fails.
 ROUNDS = 20
 #: The last resort begins earlier when there are so many spans for each vertex and order: cutting

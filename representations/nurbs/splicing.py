@@ -26,7 +26,7 @@ from multirep.representations.nurbs.problem import (
     Trial,
 )
 from multirep.representations.nurbs.refinement import merged_breakpoints
-from multirep.representations.nurbs.search import CORNER_HEIGHT, check_tolerance, searched
+from multirep.representations.nurbs.search import check_tolerance, searched
 from multirep.sampled import SampledSplice
 from multirep.splices import SpliceList
 
@@ -123,7 +123,7 @@ def _beginning(
         np.concatenate(([start], distinct, [stop])),
         np.concatenate(([left], np.ones(len(distinct), dtype=np.intp), [right])),
     )
-    corners = course.t[1:-1][course.heights > CORNER_HEIGHT]
+    corners = course.corners
     if len(full):  # old corners stay corners where the course has a kink to speak of
         kinks = course.t[1:-1][course.heights > KINK_HEIGHT]
         if len(kinks):
