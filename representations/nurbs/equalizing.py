@@ -27,7 +27,7 @@ TARGET = 0.9
 HELPERS = 2
 
 
-def equalized(degree: int, trial: Trial) -> Breakpoints:
+def equalized(degree: int, trial: Trial, target: float = TARGET) -> Breakpoints:
     """Return as many spans as the residuals call for, with equal shares.
 
     Knots of full multiplicity stay where they are; all others are laid out between them anew.
@@ -35,7 +35,7 @@ def equalized(degree: int, trial: Trial) -> Breakpoints:
     at, times = trial.breakpoints
     fixed = (times >= degree).nonzero()[0]
     fixed = np.concatenate(([0], fixed[(fixed > 0) & (fixed < len(at) - 1)], [len(at) - 1]))
-    shares = _smoothed(_shares(degree, trial), fixed)
+    shares = _smoothed(_shares(degree, trial, target), fixed)
     needs = np.add.reduceat(shares, fixed[:-1])
     return _laid_out(trial.breakpoints, fixed, shares, np.maximum(np.ceil(needs), 1.0))
 
@@ -54,16 +54,16 @@ def relieved(degree: int, trial: Trial) -> Breakpoints:
     stays = np.ones(len(times), dtype=bool)
     stays[1:-1] = ~(helping[1:] & helping[:-1]) | (times[1:-1] >= degree)
     fixed = stays.nonzero()[0]
-    shares = _shares(degree, trial)
+    shares = _shares(degree, trial, TARGET)
     counts = fixed[1:] - fixed[:-1]
     more = np.maximum(np.ceil(np.add.reduceat(shares, fixed[:-1])), counts + 1)
     counts = np.where(np.logical_or.reduceat(failing, fixed[:-1]), more, counts)
     return _laid_out(trial.breakpoints, fixed, shares, counts)
 
 
-def _shares(degree: int, trial: Trial) -> Array:
-    """Return how many spans each span stands for."""
-    return np.asarray(np.maximum(trial.worst / TARGET, SMALLEST_RATIO) ** (1 / (degree + 1)))
+def _shares(degree: int, trial: Trial, target: float) -> Array:
+    """Return how many spans that leave the target each span stands for."""
+    return np.asarray(np.maximum(trial.worst / target, SMALLEST_RATIO) ** (1 / (degree + 1)))
 
 
 def _laid_out(old: Breakpoints, fixed: Indices, shares: Array, counts: Array) -> Breakpoints:

@@ -9,7 +9,7 @@ from multirep.arrays import Array
 from multirep.errors import InvalidCurveError
 from multirep.representations.nurbs.equalizing import equalized, relieved
 from multirep.representations.nurbs.problem import Breakpoints, Course, Problem, Trial
-from multirep.representations.nurbs.refinement import merged_breakpoints, refined
+from multirep.representations.nurbs.refinement import CORNER_RATIO, merged_breakpoints, refined
 from multirep.representations.nurbs.search import check_tolerance, evened, passed, proved
 from multirep.representations.nurbs.validation import LARGEST_DEGREE
 from multirep.sampled import SampledSplice
@@ -22,7 +22,8 @@ SIMPLIFYING_SHARE = 0.1
 MANY_CHORDS = 64
 #: Vertices of the (simplified) polyline for each span to begin with.
 VERTICES_PER_SPAN = 24
-#: Spans are cut until no more than this part of them fails, then laid out anew.
+#: Spans are cut until no more than this part of them fails, and none so much that it may hide a
+#: corner; then they are laid out anew.
 FAILING_SHARE = 1 / 4
 CUTTING_PASSES = 8
 #: Rounds of laying the spans out anew, passes in each, and passes of relieving what fails then.
@@ -135,7 +136,8 @@ def _cut(problem: Problem, begin: Breakpoints) -> Trial:
     trial = problem.tried(begin)
     for _ in range(CUTTING_PASSES):
         failing = np.flatnonzero(trial.worst > 1.0)
-        if len(failing) <= FAILING_SHARE * len(trial.worst):
+        most = float(trial.worst.max())
+        if most <= CORNER_RATIO and len(failing) <= FAILING_SHARE * len(trial.worst):
             break
         trial = problem.tried(refined(problem.degree, problem.course, trial, failing))
     return trial

@@ -1,14 +1,26 @@
-"""More knots where a fit fails: spans are cut, in the last resort into corners."""
+"""More knots where a fit fails: spans are cut, and corners become knots of full multiplicity."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from multirep.arrays import Array, Indices
-from multirep.representations.nurbs.problem import Breakpoints, Course, Trial
+from multirep.arrays import Array, Flags, Indices
+from multirep.representations.nurbs.problem import (
+    CORNER_HEIGHT,
+    KINK_HEIGHT,
+    Breakpoints,
+    Course,
+    Trial,
+)
 
-#: A span with no more vertices of the polyline inside is cut at the one nearest to its peak.
-FEW_VERTICES = 2
+#: A span with at most CORNER_VERTICES vertices of the polyline inside gets a corner when its
+#: residual exceeds the allowance this many times: smooth knots around a kink of height H need
+#: about log(H / allowance) of them, a corner p.
+CORNER_RATIO = 3.0
+CORNER_VERTICES = 2
+#: Only a vertex that stands out so many times as far as those beside it is a corner of a curve that
+#: is smooth otherwise. Along a fractal line a knot at each vertex serves all its kinks.
+PROMINENCE = 3.0
 #: When the span at an end of the window fails though it is shorter than this part of the first
 #: chord, the join there gives up its smoothness.
 APPROACH = 1 / 16
@@ -47,6 +59,7 @@ def refined(
     ratio = trial.worst[failing]
     new: list[Array] = []
     corners: list[Array] = []
+    kinked = kinks(course) if bool((inside <= CORNER_VERTICES).any()) else np.empty(0, dtype=bool)
     if corners_only:
         new.append(_between(t, low, high))
         corners.append(new[-1])
@@ -66,35 +79,56 @@ def refined(
         )
         near = np.clip(near, low, np.maximum(high - 1, low))
         vertex = t[near]
-        few = (inside > 0) & (inside <= FEW_VERTICES)
+        few = (inside > 0) & (inside <= CORNER_VERTICES)
         new.append(vertex[few])
-        many = np.flatnonzero(inside > FEW_VERTICES)
+        if few.any():
+            sharp = few & (ratio > CORNER_RATIO)
+            corners.append(vertex[sharp][kinked[near[sharp]]])
+        many = np.flatnonzero(inside > CORNER_VERTICES)
         parts = np.clip(np.ceil(0.9 * ratio[many] ** (1 / (p + 1))), 2, MOST_PARTS).astype(np.intp)
         parts = np.minimum(parts, inside[many] + 1)
         new.append(_quantiles(t, low[many], inside[many], parts))
         none = np.flatnonzero(inside == 0)
         if len(none):
-            new.append(_cut_bare(p, course, trial, failing[none], times))
+            new.append(_cut_bare(p, course, trial, failing[none], kinked, times))
     return merged_breakpoints(Breakpoints(at, times), np.concatenate(new), corners, p)
 
 
-def _cut_bare(p: int, course: Course, trial: Trial, spans: Indices, times: Indices) -> Array:
-    """Return the middles of spans without a vertex inside.
+def kinks(course: Course) -> Flags:
+    """Which vertices, (m + 1,), may become corners; the first and the last may not."""
+    heights, found = course.heights, np.zeros(len(course.t), dtype=bool)
+    least = np.full(len(heights), KINK_HEIGHT)
+    least[1:] = np.maximum(least[1:], PROMINENCE * heights[:-1])
+    least[:-1] = np.maximum(least[:-1], PROMINENCE * heights[1:])
+    found[1:-1] = heights > np.minimum(least, CORNER_HEIGHT)
+    return found
 
-    At an end of the window that was approached in vain for a while, a knot of full multiplicity
-    instead, so that only the point there is fixed; that is put into ``times``.
+
+def _cut_bare(
+    p: int, course: Course, trial: Trial, spans: Indices, kinked: Flags, times: Indices
+) -> Array:
+    """Cut spans without a vertex inside; return where.
+
+    At a kinked end a corner; at an end of the window that was approached in vain for a while, a
+    knot of full multiplicity, so that only the point there is fixed: these are put into ``times``.
+    Else in the middle.
     """
     at, t = trial.breakpoints.at, course.t
-    cut = np.ones(len(spans), dtype=bool)
+    begins, ends = at[spans], at[spans + 1]
+    first, last = trial.ratios[trial.firsts[spans]], trial.ratios[trial.firsts[spans + 1]]
+    where = np.where(first > last, spans, spans + 1)
+    place = np.minimum(t.searchsorted(at[where]), len(t) - 1)
+    raised = (t[place] == at[where]) & kinked[place] & (times[where] < p)
+    times[where[raised]] = p
     for end, chord in ((0, 0), (len(at) - 1, len(t) - 2)):
         span = end if end == 0 else end - 1
         short = at[span + 1] - at[span] < APPROACH * (t[chord + 1] - t[chord])
-        hit = spans == span
-        if short and times[end] < p and hit.any():
-            times[end] = p
-            cut &= ~hit
-    spans = spans[cut]
-    return np.asarray(0.5 * (at[spans] + at[spans + 1]))
+        if short and times[end] < p:
+            hit = spans == span
+            times[end] = max(int(times[end]), p) if hit.any() else times[end]
+            raised |= hit
+    rest = ~raised
+    return np.asarray(0.5 * (begins[rest] + ends[rest]))
 
 
 def _peaks(trial: Trial, spans: Indices) -> Array:
