@@ -36,8 +36,8 @@ def equalized(degree: int, trial: Trial, target: float = TARGET) -> Breakpoints:
     fixed = (times >= degree).nonzero()[0]
     fixed = np.concatenate(([0], fixed[(fixed > 0) & (fixed < len(at) - 1)], [len(at) - 1]))
     shares = _smoothed(_shares(degree, trial, target), fixed)
-    needs = np.add.reduceat(shares, fixed[:-1])
-    return _laid_out(trial.breakpoints, fixed, shares, np.maximum(np.ceil(needs), 1.0))
+    counts = np.maximum(np.ceil(np.add.reduceat(shares, fixed[:-1])), 1.0)
+    return _laid_out(trial.breakpoints, fixed, shares, counts.astype(np.intp))
 
 
 def relieved(degree: int, trial: Trial) -> Breakpoints:
@@ -56,8 +56,9 @@ def relieved(degree: int, trial: Trial) -> Breakpoints:
     fixed = stays.nonzero()[0]
     shares = _shares(degree, trial, TARGET)
     counts = fixed[1:] - fixed[:-1]
-    more = np.maximum(np.ceil(np.add.reduceat(shares, fixed[:-1])), counts + 1)
-    counts = np.where(np.logical_or.reduceat(failing, fixed[:-1]), more, counts)
+    needs = np.ceil(np.add.reduceat(shares, fixed[:-1])).astype(np.intp)
+    failed = np.logical_or.reduceat(failing, fixed[:-1])
+    counts = np.where(failed, np.maximum(needs, counts + 1), counts)
     return _laid_out(trial.breakpoints, fixed, shares, counts)
 
 
@@ -66,16 +67,15 @@ def _shares(degree: int, trial: Trial, target: float) -> Array:
     return np.asarray(np.maximum(trial.worst / target, SMALLEST_RATIO) ** (1 / (degree + 1)))
 
 
-def _laid_out(old: Breakpoints, fixed: Indices, shares: Array, counts: Array) -> Breakpoints:
+def _laid_out(old: Breakpoints, fixed: Indices, shares: Array, counts: Indices) -> Breakpoints:
     """Put so many spans of equal shares between each two fixed breakpoints, in place of the old."""
     at, times = old
     sums = np.concatenate(([0.0], shares.cumsum()))
     marks = sums[fixed]
-    spans = counts.astype(np.intp)
-    ends = spans.cumsum()
-    firsts = ends - spans
-    numbers = np.arange(ends[-1]) - firsts.repeat(spans)
-    wanted = marks[:-1].repeat(spans) + numbers * ((marks[1:] - marks[:-1]) / counts).repeat(spans)
+    ends = counts.cumsum()
+    firsts = ends - counts
+    steps = ((marks[1:] - marks[:-1]) / counts).repeat(counts)
+    wanted = marks[:-1].repeat(counts) + (np.arange(ends[-1]) - firsts.repeat(counts)) * steps
     new = np.empty(ends[-1] + 1)
     new[:-1] = np.interp(wanted, sums, at)
     new[firsts] = at[fixed[:-1]]
