@@ -172,12 +172,14 @@ def merged_breakpoints(
     old: Breakpoints, new: Array, corners: list[Array], degree: int
 ) -> Breakpoints:
     """Add simple breakpoints, and raise some to full multiplicity."""
-    at, where = np.unique(np.concatenate((old.at, new)), return_index=True)
-    times = np.concatenate((old.times, np.ones(len(new), dtype=np.intp)))[where]
+    at = np.concatenate((old.at, new))
+    at.sort()
+    at = at[np.concatenate(([True], at[1:] > at[:-1]))]
+    times = np.ones(len(at), dtype=np.intp)
+    times[at.searchsorted(old.at)] = old.times
     for values in corners:
-        if len(values):
-            places = at.searchsorted(values)
-            times[places] = np.maximum(times[places], degree)
+        places = at.searchsorted(values)
+        times[places] = np.maximum(times[places], degree)
     return _apart(Breakpoints(at, times))
 
 
@@ -185,7 +187,7 @@ def _apart(found: Breakpoints) -> Breakpoints:
     """Drop the lesser of two breakpoints between which no curve can be told from a corner."""
     at, times = found.at, found.times
     least = NEAREST * (at[-1] - at[0]) + 8 * np.spacing(max(abs(at[0]), abs(at[-1])))
-    close = np.flatnonzero(at[1:] - at[:-1] < least)
+    close = (at[1:] - at[:-1] < least).nonzero()[0]
     if not len(close):
         return found
     lesser = np.where(times[close] < times[close + 1], close, close + 1)

@@ -44,7 +44,7 @@ def check_tolerance(course: Course, degree: int, tolerance: float, largest: floa
 
 def searched(
     problem: Problem, begin: Breakpoints, forced: Array, tolerance: float
-) -> tuple[Trial, Array]:
+) -> tuple[Trial, float]:
     """Find knots on which a fit can be proved.
 
     Parameters
@@ -60,8 +60,8 @@ def searched(
     Returns
     -------
     trial : Trial
-    proof : (m,) array
-        Certified deviation on each chord.
+    bound : float
+        The largest deviation, certified.
 
     Raises
     ------
@@ -69,11 +69,17 @@ def searched(
         When no fit can be proved.
     """
     trial = passed(problem, problem.ends.roomy(begin), tolerance)
-    wanted = (np.maximum(trial.worst / TARGET, 1e-4) ** (1 / (problem.degree + 1))).sum()
-    corners = np.count_nonzero(trial.breakpoints.times[1:-1] >= problem.degree)
-    if max(wanted, corners) + 1 + len(forced) < WORTHWHILE * len(trial.worst):
+    if _could_be_fewer(problem.degree, trial, len(forced)):
         trial = fewer(problem, trial, forced, tolerance)
     return proved(problem, trial, tolerance)
+
+
+def _could_be_fewer(degree: int, trial: Trial, forced: int) -> bool:
+    """Whether the residuals call for clearly fewer spans than there are."""
+    enough = WORTHWHILE * len(trial.worst) - 1 - forced
+    if enough <= 0 or int((trial.breakpoints.times[1:-1] >= degree).sum()) >= enough:
+        return False
+    return float((np.maximum(trial.worst / TARGET, 1e-4) ** (1 / (degree + 1))).sum()) < enough
 
 
 def passed(problem: Problem, begin: Breakpoints, tolerance: float) -> Trial:
@@ -81,7 +87,7 @@ def passed(problem: Problem, begin: Breakpoints, tolerance: float) -> Trial:
     trial, attempt = _tried(problem, begin, tolerance), 0
     most = MOST_SPANS * (problem.degree + 1) * len(problem.course.t) + len(begin.at)
     while True:
-        failing = np.flatnonzero(trial.worst > 1.0)
+        failing = (trial.worst > 1.0).nonzero()[0]
         if not len(failing):
             return trial
         better = evened(problem, trial)
@@ -150,18 +156,21 @@ def fewer(problem: Problem, trial: Trial, forced: Array, tolerance: float) -> Tr
     return best
 
 
-def proved(problem: Problem, trial: Trial, tolerance: float) -> tuple[Trial, Array]:
-    """Prove a trial that passed; where the proof fails, cut and prove again."""
+def proved(problem: Problem, trial: Trial, tolerance: float) -> tuple[Trial, float]:
+    """Prove a trial that passed; where the proof fails, cut and prove again.
+
+    Returns the trial that is proved, and how far it is from the course at most.
+    """
     allowance = problem.course.allowance
     attempt = 0
     while True:
         proof = problem.proved(trial)
-        chords = np.flatnonzero(proof > allowance)
+        chords = (proof > allowance).nonzero()[0]
         if len(chords):
             proof = problem.proved(trial, splits=3)
             chords = np.flatnonzero(proof > allowance)
         if not len(chords):
-            return trial, proof
+            return trial, float(proof.max())
         failing = np.union1d(
             _spans_of(trial, problem.course.t, chords), np.flatnonzero(trial.worst > 1.0)
         )
