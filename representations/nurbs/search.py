@@ -83,16 +83,17 @@ def _could_be_fewer(degree: int, trial: Trial, forced: int) -> bool:
 
 
 def passed(problem: Problem, begin: Breakpoints, tolerance: float) -> Trial:
-    """Cut spans until no residual exceeds its allowance."""
+    """Cut spans until no residual exceeds its allowance.
+
+    They are not evened out on the knots that there are: the next edit would find the same knots,
+    and have to do it again.
+    """
     trial, attempt = _tried(problem, begin, tolerance), 0
     most = MOST_SPANS * (problem.degree + 1) * len(problem.course.t) + len(begin.at)
     while True:
         failing = (trial.worst > 1.0).nonzero()[0]
         if not len(failing):
             return trial
-        better = evened(problem, trial)
-        if better is not None:
-            return better
         if len(trial.worst) > most:
             attempt = max(attempt, ROUNDS)
         if attempt == ROUNDS + LAST_ROUNDS:
