@@ -12,6 +12,7 @@ from multirep.representations.nurbs.problem import (
     Course,
     Trial,
 )
+from multirep.splines import compiled
 
 #: A span with at most CORNER_VERTICES vertices of the polyline inside gets a corner when its
 #: residual exceeds the allowance this many times: smooth knots around a kink of height H need
@@ -166,6 +167,42 @@ def _quantiles(t: Array, low: Indices, inside: Indices, parts: Indices) -> Array
     share = number * ((inside + 1) / parts).repeat(cuts)
     index = low.repeat(cuts) + np.clip(np.rint(share).astype(np.intp), 1, inside.repeat(cuts)) - 1
     return t[index]
+
+
+def window_breakpoints(
+    inner: Array, times: tuple[int, int], degree: int, course: Course
+) -> Breakpoints:
+    """Return the breakpoints that a spliced window begins with.
+
+    Parameters
+    ----------
+    inner : (k,) array
+        Non-decreasing: the old knots between both ends of the course.
+    times : pair of int
+        How often these ends are knots.
+    degree : int
+    course : Course
+
+    Returns
+    -------
+    Breakpoints
+        The old knots, once each, and corners: where the course needs them, and old ones where it
+        has a kink to speak of.
+    """
+    start, stop = float(course.t[0]), float(course.t[-1])
+    if compiled.active:
+        limits = CORNER_HEIGHT, KINK_HEIGHT, NEAREST
+        numbers, counts = compiled.core.breakpoints(
+            inner, start, stop, *times, degree, course.t, course.heights, *limits
+        )
+        return Breakpoints(np.frombuffer(numbers), np.frombuffer(counts, dtype=np.intp))
+    distinct, counted = np.unique(inner, return_counts=True)
+    at = np.concatenate(([start], distinct, [stop]))
+    found = Breakpoints(at, np.ones(len(at), dtype=np.intp))
+    found.times[[0, -1]] = times
+    kinked = course.t[1:-1][course.heights > KINK_HEIGHT]
+    corners = np.union1d(course.corners, np.intersect1d(distinct[counted >= degree], kinked))
+    return merged_breakpoints(found, corners, [corners], degree) if len(corners) else found
 
 
 def merged_breakpoints(

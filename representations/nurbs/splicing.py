@@ -18,14 +18,8 @@ from multirep.arrays import Array
 from multirep.edit import Edit
 from multirep.errors import InvalidCurveError, ParameterError, ToleranceError
 from multirep.representations.nurbs.joining import WeightError, Window
-from multirep.representations.nurbs.problem import (
-    KINK_HEIGHT,
-    Breakpoints,
-    Course,
-    Problem,
-    Trial,
-)
-from multirep.representations.nurbs.refinement import merged_breakpoints
+from multirep.representations.nurbs.problem import Breakpoints, Course, Problem, Trial
+from multirep.representations.nurbs.refinement import window_breakpoints
 from multirep.representations.nurbs.search import check_tolerance, searched
 from multirep.sampled import SampledSplice
 from multirep.splices import SpliceList
@@ -105,32 +99,7 @@ def _beginning(
     if not open_right and (count > last or window.rational):
         right = max(count - p, first, left)
     forced = np.concatenate((inside[first:left], inside[right:last]))
-    begin, full = _distinct(inside[first:last], (start, stop), times, p)
-    corners = course.corners
-    if len(full):  # old corners stay corners where the course has a kink to speak of
-        kinks = course.t[:-1][np.concatenate(([True], course.heights > KINK_HEIGHT))]
-        kinks = kinks[kinks.searchsorted(full, "right") - 1]
-        corners = np.concatenate((corners, full[full == kinks]))
-    if len(corners):
-        begin = merged_breakpoints(begin, corners, [corners], p)
-    return forced, begin
-
-
-def _distinct(
-    inner: Array, ends: tuple[float, float], times: tuple[int, int], degree: int
-) -> tuple[Breakpoints, Array]:
-    """Make simple breakpoints of knots between two ends, and return those of full multiplicity."""
-    full = inner[:0]
-    if len(inner) and bool((inner[1:] == inner[:-1]).any()):
-        firsts = np.concatenate(([True], inner[1:] > inner[:-1])).nonzero()[0]
-        counts = np.concatenate((firsts[1:], [len(inner)])) - firsts
-        inner = inner[firsts]
-        full = inner[counts >= degree]
-    at, multiplicities = np.empty(len(inner) + 2), np.ones(len(inner) + 2, dtype=np.intp)
-    at[1:-1] = inner
-    at[0], at[-1] = ends
-    multiplicities[0], multiplicities[-1] = times
-    return Breakpoints(at, multiplicities), full
+    return forced, window_breakpoints(inside[first:last], times, p, course)
 
 
 def _assembled(curve: N, window: Window, trial: Trial, bound: float) -> Edit[N]:
