@@ -78,7 +78,7 @@ def fitted_arrays(sampled: SampledSplice, tolerance: float, degree: int) -> tupl
         raise InvalidCurveError(f"the degree must be between 1 and {LARGEST_DEGREE}, got {degree}")
     p = int(degree)
     course = Course.from_sampled(sampled, tolerance)
-    check_tolerance(course, p, tolerance, float(np.abs(course.points).max()))
+    check_tolerance(course, p, tolerance)
     course = _simpler(course)
     problem = Problem(p, course, OpenEnds(p, course.points[0], course.points[-1]))
     begin = _beginning(problem)

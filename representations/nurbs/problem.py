@@ -50,6 +50,8 @@ class Course(NamedTuple):
     """The smallest allowance."""
     uniform: bool
     """Whether all allowances are the same."""
+    largest: float
+    """The largest coordinate, but for its sign."""
     heights: Array
     """(m - 1,): how far each inner vertex stands from the line between its neighbours at equal t,
     over its allowance. The kink J times h1 h2 / (h1 + h2); four sagittas on a smooth curve."""
@@ -60,10 +62,21 @@ class Course(NamedTuple):
     @classmethod
     def of(cls, t: Array, points: Array, allowance: Array) -> Course:
         """Make a course of a polyline and what is allowed on each chord."""
-        tightest = float(allowance.min())
-        uniform = tightest == float(allowance.max())
-        heights, row_t, row_points = _looked_at(t, points, allowance)
-        return cls(t, points, allowance, tightest, uniform, heights, row_t, row_points)
+        if compiled.active:
+            heights = np.empty(len(t) - 2)
+            tightest, loosest, largest, finer = compiled.core.course(
+                t, points, allowance, KINK_HEIGHT, heights
+            )
+            row_t, row_points = t, points
+            if finer is not None:
+                row_t, row_points = (np.frombuffer(numbers) for numbers in finer)
+                row_points = row_points.reshape(len(row_t), -1)
+        else:
+            tightest, loosest = float(allowance.min()), float(allowance.max())
+            largest = float(np.abs(points).max())
+            heights, row_t, row_points = _looked_at(t, points, allowance)
+        uniform = tightest == loosest
+        return cls(t, points, allowance, tightest, uniform, largest, heights, row_t, row_points)
 
     @classmethod
     def from_sampled(cls, sampled: SampledSplice, tolerance: float) -> Course:
@@ -87,13 +100,6 @@ class Course(NamedTuple):
 
 def _looked_at(t: Array, points: Array, allowance: Array) -> tuple[Array, Array, Array]:
     """Return heights, and the polyline with middles beside kinks as vertices; see `Course`."""
-    if compiled.active:
-        heights = np.empty(len(t) - 2)
-        finer = compiled.core.course(t, points, allowance, KINK_HEIGHT, heights)
-        if finer is None:
-            return heights, t, points
-        row_t, rows = (np.frombuffer(numbers) for numbers in finer)
-        return heights, row_t, rows.reshape(len(row_t), -1)
     share = (t[1:-1] - t[:-2]) / (t[2:] - t[:-2])
     off = points[2:] - points[:-2]
     off *= share[:, None]

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from multirep.arrays import Array, Indices
@@ -10,6 +12,8 @@ from multirep.representations.nurbs.equalizing import TARGET, equalized
 from multirep.representations.nurbs.problem import Breakpoints, Course, Problem, Trial
 from multirep.representations.nurbs.refinement import merged_breakpoints, refined
 
+#: Rounding of one operation is at most half of it.
+EPSILON = 2.0**-52
 #: Rounds of cutting before the last resort, corners at all vertices of what still fails.
 ROUNDS = 20
 #: The last resort begins earlier when there are so many spans for each vertex and order: cutting
@@ -25,20 +29,20 @@ EVENING_FLOOR = 0.1
 WORTHWHILE = 0.75
 
 
-def check_tolerance(course: Course, degree: int, tolerance: float, largest: float) -> None:
+def check_tolerance(course: Course, degree: int, tolerance: float) -> None:
     """Refuse a tolerance that the rounding term of the proof alone exceeds.
 
     Raises
     ------
     ToleranceError
     """
-    unit = (8 * degree + 16) * np.finfo(np.float64).eps * np.sqrt(course.points.shape[1]) * largest
+    unit = (8 * degree + 16) * EPSILON * math.sqrt(course.points.shape[1]) * course.largest
     if not course.tightest > 2 * unit:
         raise ToleranceError(
             f"a tolerance of {tolerance:.3g} is below what rounding allows for coordinates up to "
-            f"{largest:.3g}; the smallest is about {4 * unit:.3g}",
+            f"{course.largest:.3g}; the smallest is about {4 * unit:.3g}",
             tolerance=tolerance,
-            reachable=4 * float(unit),
+            reachable=4 * unit,
         )
 
 

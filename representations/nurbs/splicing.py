@@ -41,8 +41,7 @@ def spliced(curve: N, sampled: SampledSplice, tolerance: float) -> Edit[N]:
     if start < domain.start or stop > domain.stop:
         raise ParameterError(f"the splice {sampled.interval} leaves the domain {domain}")
     course = Course.from_sampled(sampled, tolerance)
-    largest = max(float(course.points.max()), -float(course.points.min()))
-    check_tolerance(course, curve.degree, tolerance, largest)
+    check_tolerance(course, curve.degree, tolerance)
     _check_gaps(curve, course, tolerance)
     window = Window.of(curve, start, stop, course.points)
     problem = Problem(curve.degree, course, window)
