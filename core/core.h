@@ -273,6 +273,7 @@ METHOD(core_leaf);
 METHOD(core_nearest);
 METHOD(core_polyline_rows);
 METHOD(core_solve_window);
+METHOD(core_breakpoints);
 METHOD(core_fit);
 METHOD(core_chord_bounds);
 METHOD(core_sample);

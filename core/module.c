@@ -15,6 +15,7 @@ static PyMethodDef methods[] = {
     ENTRY(nearest),
     ENTRY(polyline_rows),
     ENTRY(solve_window),
+    ENTRY(breakpoints),
     ENTRY(fit),
     ENTRY(chord_bounds),
     ENTRY(sample),

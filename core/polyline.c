@@ -200,19 +200,26 @@ METHOD(core_course)
 {
     /* t (m + 1,), points (m + 1, d), allowance (m,), what counts as a kink, heights (m - 1,): how far
     each inner vertex stands from the line between its neighbours, over what both chords allow. Returns
-    parameters and points of the polyline with middles beside kinks as bytes, or None without kinks. */
+    the smallest and the largest allowance, the largest |coordinate|, and parameters and points of the
+    polyline with middles beside kinks as bytes, or None without kinks. */
     Call call;
     begin(&call, count, 5);
     if (call.failed)
         return finish(&call, NULL);
     Table t = reals(&call, values[0]), points = reals(&call, values[1]);
     Table allowance = reals(&call, values[2]), heights = output(&call, values[4]);
-    double kink = real(&call, values[3]);
+    double kink = real(&call, values[3]), least = INFINITY, most = 0.0, largest = 0.0;
     Index d = points.columns, m = allowance.rows;
     int kinked = 0;
     expect(&call,
            m >= 1 && t.rows == m + 1 && points.rows == m + 1 && heights.rows == m - 1,
            "each chord needs an allowance, each inner vertex a place for its height");
+    for (Index i = 0; !call.failed && i < m; i++) {
+        least = smaller(allowance.at[i], least);
+        most = larger(allowance.at[i], most);
+    }
+    for (Index i = 0; !call.failed && i < points.rows * d; i++)
+        largest = worse(largest, fabs(points.at[i]));
     for (Index i = 0; !call.failed && i + 1 < m; i++) {
         const double *row = points.at + i * d;
         double share = (t.at[i + 1] - t.at[i]) / (t.at[i + 2] - t.at[i]), square = 0.0;
@@ -223,9 +230,10 @@ METHOD(core_course)
         heights.at[i] = sqrt(square) / smaller(allowance.at[i], allowance.at[i + 1]);
         kinked |= heights.at[i] > kink;
     }
-    if (call.failed || !kinked)
-        return finish(&call, Py_NewRef(Py_None));
-    return finish(&call, with_middles(&call, t, points, heights.at, kink));
+    PyObject *finer = NULL;
+    if (!call.failed)
+        finer = kinked ? with_middles(&call, t, points, heights.at, kink) : Py_NewRef(Py_None);
+    return finish(&call, finer ? Py_BuildValue("dddN", least, most, largest, finer) : NULL);
 }
 
 METHOD(core_between_common)

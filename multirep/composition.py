@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from itertools import pairwise
 from time import perf_counter_ns
 
 from multirep.events import Event, Sampled
@@ -79,17 +80,28 @@ def _short_end(
     *,
     first: bool,
 ) -> SampledSplice:
-    """Sample the chord at a fixed end finely if the gap there leaves no room for its sagitta."""
-    bounds = chord_bounds(piece)
+    """Sample the chord at a fixed end finely if the gap there leaves no room for its sagitta.
+
+    A piece of one chord is cut in two, too: else `join` would charge that chord with half the gap
+    of the seam at its other end.
+    """
+    bounds, alone = chord_bounds(piece), len(piece.t) == 2
     end = 0 if first else -1
-    if bounds[end] <= SHORT_FIRST_CHORDS * tolerance:
+    if not alone and bounds[end] <= SHORT_FIRST_CHORDS * tolerance:
         return piece
     there = outside(float(piece.t[end]))
     if math.dist(there.tolist(), piece.points[end].tolist()) <= tolerance:
         return piece
-    chord = Interval(*(piece.t[:2] if first else piece.t[-2:]).tolist())
-    fine = sample(author, chord, tolerance=SHORT_FIRST_CHORDS * tolerance)
-    if len(piece.t) == 2:
+    start, stop = (piece.t[:2] if first else piece.t[-2:]).tolist()
+    middle = 0.5 * start + 0.5 * stop
+    ends = [start, middle, stop] if alone and start < middle < stop else [start, stop]
+    fine = join(
+        [
+            sample(author, Interval(*part), tolerance=SHORT_FIRST_CHORDS * tolerance)
+            for part in pairwise(ends)
+        ]
+    )
+    if alone:
         return fine
     chords = len(piece.t) - 1
     return join([fine, piece.cut(1, chords)] if first else [piece.cut(0, chords - 1), fine])

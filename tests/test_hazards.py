@@ -323,7 +323,8 @@ def test_the_nearest_place_may_be_an_end(kind: type[Any]) -> None:
     for end, point in ((0.0, [-3.0, 0.0]), (1.0, [4.0, 0.2])):
         found = value.nearest(point)
         assert found.t == end
-        assert found.distance == np.linalg.norm(value(end) - np.array(point))
+        away = np.linalg.norm(value(end) - np.array(point))
+        assert found.distance == pytest.approx(away, rel=1e-15)
 
 
 @pytest.mark.parametrize("apart", [2.0**-14, 2.0**-30, 2.0**-52])

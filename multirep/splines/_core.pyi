@@ -195,9 +195,23 @@ def kinks(t: Array, points: Array, limit: float, /) -> list[float]: ...
 def simplify(
     t: Array, values: Array, targets: Array, allowed: Array, keep: IntArray, rounds: int, /
 ) -> bytearray: ...
+def breakpoints(
+    knots: Array,
+    start: float,
+    stop: float,
+    start_times: int,
+    stop_times: int,
+    degree: int,
+    t: Array,
+    heights: Array,
+    corner: float,
+    kink: float,
+    nearest: float,
+    /,
+) -> tuple[bytearray, bytearray]: ...
 def course(
     t: Array, points: Array, allowance: Array, kink: float, heights: Array, /
-) -> tuple[bytearray, bytearray] | None: ...
+) -> tuple[float, float, float, tuple[bytearray, bytearray] | None]: ...
 def target(
     t: Array,
     points: Array,

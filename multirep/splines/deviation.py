@@ -87,42 +87,41 @@ def spline_chord_deviation(
             knots, coefficients, degree, rational, *lines, splits, limits, proved
         )
         return proved
-    t = sampled_t
-    stretch = cut_stretch(knots, coefficients, degree, t[0], t[-1], rational)
-    pieces = cut_pieces(stretch.breaks, t[:-1], t[1:])
-    steps = sampled_points[1:] - sampled_points[:-1]
-    lengths = t[1:] - t[:-1]
-    slack = rounding(stretch, sampled_points)
-    if isinstance(slack, np.ndarray):
-        slack = slack.take(pieces.cells)
-
-    chords = pieces.chords
-    shares = (pieces.starts - t.take(chords)) / lengths.take(chords)
-    low = sampled_points.take(chords, axis=0) + shares[:, None] * steps.take(chords, axis=0)
-    # Where a chord ends, the next piece begins with its vertex; no need to interpolate there.
-    high = np.concatenate((low[1:], sampled_points[-1:]))
-
+    stretch = cut_stretch(knots, coefficients, degree, sampled_t[0], sampled_t[-1], rational)
+    pieces = cut_pieces(stretch.breaks, sampled_t[:-1], sampled_t[1:])
+    low, high = _lines(pieces, sampled_t, sampled_points)
+    unit = rounding(stretch, sampled_points)
+    slack = unit.take(pieces.cells) if isinstance(unit, np.ndarray) else np.full(len(low), unit)
     if allowance is None:
-        bounds = bernstein_deviation(stretch, pieces, low, high, splits)
-        return np.asarray(np.maximum.reduceat(bounds + slack, pieces.firsts))
-    if rational or degree > 3:
-        bounds = bernstein_deviation(stretch, pieces, low, high, 0)
+        bounds = bernstein_deviation(stretch, pieces, low, high, splits) + slack
     else:
-        ends = np.concatenate((pieces.starts, t[-1:]))
-        there = stretch.at(ends)
-        there[:-1] -= low
-        there[-1] -= sampled_points[-1]
-        bounds = curvature_deviation(stretch, pieces, norms(there))
-    limits = np.asarray(allowance, dtype=np.float64)
-    if limits.ndim:
-        limits = limits.take(chords)
-    bounds = bounds + slack
-    above = (bounds > limits).nonzero()[0]
-    if len(above):
-        sharper = bernstein_deviation(stretch, pieces, low, high, splits, above)
-        sharper += slack.take(above) if isinstance(slack, np.ndarray) else slack
-        bounds[above] = np.minimum(bounds[above], sharper)
+        bounds = _cheaper_deviation(stretch, pieces, low, high) + slack
+        limits = np.asarray(allowance, np.float64)
+        above = (bounds > (limits.take(pieces.chords) if limits.ndim else limits)).nonzero()[0]
+        if len(above):
+            sharper = bernstein_deviation(stretch, pieces, low, high, splits, above)
+            bounds[above] = np.minimum(bounds[above], sharper + slack.take(above))
     return np.asarray(np.maximum.reduceat(bounds, pieces.firsts))
+
+
+def _lines(pieces: Pieces, t: Array, points: Array) -> tuple[Array, Array]:
+    """Return where the polyline is at both ends of each piece."""
+    chords = pieces.chords
+    shares = (pieces.starts - t.take(chords)) / (t[1:] - t[:-1]).take(chords)
+    steps = (points[1:] - points[:-1]).take(chords, axis=0)
+    low = points.take(chords, axis=0) + shares[:, None] * steps
+    # Where a chord ends, the next piece begins with its vertex; no need to interpolate there.
+    return low, np.concatenate((low[1:], points[-1:]))
+
+
+def _cheaper_deviation(stretch: Stretch, pieces: Pieces, low: Array, high: Array) -> Array:
+    """Bound the deviation on pieces that follow each other, at the least cost there is."""
+    if stretch.rational or stretch.degree > 3:
+        return bernstein_deviation(stretch, pieces, low, high, 0)
+    off = stretch.at(np.concatenate((pieces.starts, pieces.stops[-1:])))
+    off[:-1] -= low
+    off[-1] -= high[-1]
+    return curvature_deviation(stretch, pieces, norms(off))
 
 
 def bernstein_deviation(

@@ -38,8 +38,11 @@ def supports(knots: BlockArray, degree: int, rows: Indices, domain: Interval) ->
     """Return the union of the supports of control points ``rows`` (increasing)."""
     if not len(rows):
         return SpliceList.EMPTY
-    first = int(rows[0])
-    window = knots.window(first, int(rows[-1]) + degree + 2)
+    first, last = int(rows[0]), int(rows[-1])
+    window = knots.window(first, last + degree + 2)
+    if last - first == len(rows) - 1:  # neighbours' supports overlap
+        start, stop = float(window[0]), float(window[-1])
+        return SpliceList([(max(start, domain.start), min(stop, domain.stop))])
     at = rows - first
     return merged(window[at], window[at + degree + 1], domain)
 

@@ -147,14 +147,12 @@ class Nurbs(NurbsValue):
         p, (a, b) = self.degree, interval
         if a > self.domain.start:
             last = self._knots.searchsorted(a, "right")
-            near = self._knots.window(max(last - p, p), last)
-            near = near[near >= within.start]
-            a = float(near[0]) if len(near) else a
+            near = self._knots.window(max(last - p, p), last).tolist()
+            a = next((knot for knot in near if knot >= within.start), a)
         if b < self.domain.stop:
             first = self._knots.searchsorted(b, "left")
-            near = self._knots.window(first, min(first + p, len(self._points) + 1))
-            near = near[near <= within.stop]
-            b = float(near[-1]) if len(near) else b
+            near = self._knots.window(first, min(first + p, len(self._points) + 1)).tolist()
+            b = next((knot for knot in reversed(near) if knot <= within.stop), b)
         return Interval(a, b)
 
     def held(

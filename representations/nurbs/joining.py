@@ -106,15 +106,16 @@ class Window:
     def knots(self, breakpoints: Breakpoints) -> Array:
         """Return the knots of the window: p outer ones, the breakpoints, p outer ones."""
         at, times = breakpoints
-        inner = at if len(at) == times.sum() else at.repeat(times)
-        return np.concatenate((self.outer_left, inner, self.outer_right))
+        return np.concatenate((self.outer_left, at.repeat(times), self.outer_right))
 
     def roomy(self, breakpoints: Breakpoints) -> Breakpoints:
         """Return breakpoints of which no fixed row belongs to both sides."""
-        missing = self.degree + 1 - int(breakpoints.times.sum())
-        if missing <= 0 or self.start is not None or self.stop is not None:
-            return breakpoints
         at = breakpoints.at
+        if len(at) > self.degree or self.start is not None or self.stop is not None:
+            return breakpoints
+        missing = self.degree + 1 - int(breakpoints.times.sum())
+        if missing <= 0:
+            return breakpoints
         parts = -(-missing // (len(at) - 1)) + 1
         inner = at[:-1, None] + np.diff(at)[:, None] * (np.arange(1, parts) / parts)
         return merged_breakpoints(breakpoints, inner.ravel(), [], self.degree)

@@ -3,16 +3,25 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-from multirep.arrays import Array, Indices
-from multirep.representations.nurbs.problem import KINK_HEIGHT, Breakpoints, Course, Trial
+from multirep.arrays import Array, Flags, Indices
+from multirep.representations.nurbs.problem import (
+    CORNER_HEIGHT,
+    KINK_HEIGHT,
+    Breakpoints,
+    Course,
+    Trial,
+)
+from multirep.splines import compiled
 
 #: A span with at most CORNER_VERTICES vertices of the polyline inside gets a corner when its
 #: residual exceeds the allowance this many times: smooth knots around a kink of height H need
 #: about log(H / allowance) of them, a corner p.
 CORNER_RATIO = 3.0
 CORNER_VERTICES = 2
+#: Only a vertex that stands out so many times as far as those beside it is a corner of a curve that
+#: is smooth otherwise. Along a fractal line a knot at each vertex serves all its kinks.
+PROMINENCE = 3.0
 #: When the span at an end of the window fails though it is shorter than this part of the first
 #: chord, the join there gives up its smoothness.
 APPROACH = 1 / 16
@@ -82,30 +91,28 @@ def refined(
         new.append(_quantiles(t, low[many], inside[many], parts))
         none = np.flatnonzero(inside == 0)
         if len(none):
-            _cut_bare(p, course, trial, failing[none], kinked, times, new)
+            new.append(_cut_bare(p, course, trial, failing[none], kinked, times))
     return merged_breakpoints(Breakpoints(at, times), np.concatenate(new), corners, p)
 
 
-def kinks(course: Course) -> NDArray[np.bool_]:
-    """Which vertices, (m + 1,), have a kink that can matter; the first and the last have not."""
-    found = np.zeros(len(course.t), dtype=bool)
-    found[1:-1] = course.heights > KINK_HEIGHT
+def kinks(course: Course) -> Flags:
+    """Which vertices, (m + 1,), may become corners; the first and the last may not."""
+    heights, found = course.heights, np.zeros(len(course.t), dtype=bool)
+    least = np.full(len(heights), KINK_HEIGHT)
+    least[1:] = np.maximum(least[1:], PROMINENCE * heights[:-1])
+    least[:-1] = np.maximum(least[:-1], PROMINENCE * heights[1:])
+    found[1:-1] = heights > np.minimum(least, CORNER_HEIGHT)
     return found
 
 
 def _cut_bare(
-    p: int,
-    course: Course,
-    trial: Trial,
-    spans: Indices,
-    kinked: NDArray[np.bool_],
-    times: Indices,
-    new: list[Array],
-) -> None:
-    """Cut spans without a vertex inside.
+    p: int, course: Course, trial: Trial, spans: Indices, kinked: Flags, times: Indices
+) -> Array:
+    """Cut spans without a vertex inside; return where.
 
     At a kinked end a corner; at an end of the window that was approached in vain for a while, a
-    knot of full multiplicity, so that only the point there is fixed; else in the middle.
+    knot of full multiplicity, so that only the point there is fixed: these are put into ``times``.
+    Else in the middle.
     """
     at, t = trial.breakpoints.at, course.t
     begins, ends = at[spans], at[spans + 1]
@@ -122,7 +129,7 @@ def _cut_bare(
             times[end] = max(int(times[end]), p) if hit.any() else times[end]
             raised |= hit
     rest = ~raised
-    new.append(0.5 * (begins[rest] + ends[rest]))
+    return np.asarray(0.5 * (begins[rest] + ends[rest]))
 
 
 def _peaks(trial: Trial, spans: Indices) -> Array:
@@ -162,16 +169,54 @@ def _quantiles(t: Array, low: Indices, inside: Indices, parts: Indices) -> Array
     return t[index]
 
 
+def window_breakpoints(
+    inner: Array, times: tuple[int, int], degree: int, course: Course
+) -> Breakpoints:
+    """Return the breakpoints that a spliced window begins with.
+
+    Parameters
+    ----------
+    inner : (k,) array
+        Non-decreasing: the old knots between both ends of the course.
+    times : pair of int
+        How often these ends are knots.
+    degree : int
+    course : Course
+
+    Returns
+    -------
+    Breakpoints
+        The old knots, once each, and corners: where the course needs them, and old ones where it
+        has a kink to speak of.
+    """
+    start, stop = float(course.t[0]), float(course.t[-1])
+    if compiled.active:
+        limits = CORNER_HEIGHT, KINK_HEIGHT, NEAREST
+        numbers, counts = compiled.core.breakpoints(
+            inner, start, stop, *times, degree, course.t, course.heights, *limits
+        )
+        return Breakpoints(np.frombuffer(numbers), np.frombuffer(counts, dtype=np.intp))
+    distinct, counted = np.unique(inner, return_counts=True)
+    at = np.concatenate(([start], distinct, [stop]))
+    found = Breakpoints(at, np.ones(len(at), dtype=np.intp))
+    found.times[[0, -1]] = times
+    kinked = course.t[1:-1][course.heights > KINK_HEIGHT]
+    corners = np.union1d(course.corners, np.intersect1d(distinct[counted >= degree], kinked))
+    return merged_breakpoints(found, corners, [corners], degree) if len(corners) else found
+
+
 def merged_breakpoints(
     old: Breakpoints, new: Array, corners: list[Array], degree: int
 ) -> Breakpoints:
     """Add simple breakpoints, and raise some to full multiplicity."""
-    at, where = np.unique(np.concatenate((old.at, new)), return_index=True)
-    times = np.concatenate((old.times, np.ones(len(new), dtype=np.intp)))[where]
+    at = np.concatenate((old.at, new))
+    at.sort()
+    at = at[np.concatenate(([True], at[1:] > at[:-1]))]
+    times = np.ones(len(at), dtype=np.intp)
+    times[at.searchsorted(old.at)] = old.times
     for values in corners:
-        if len(values):
-            places = at.searchsorted(values)
-            times[places] = np.maximum(times[places], degree)
+        places = at.searchsorted(values)
+        times[places] = np.maximum(times[places], degree)
     return _apart(Breakpoints(at, times))
 
 
@@ -179,7 +224,7 @@ def _apart(found: Breakpoints) -> Breakpoints:
     """Drop the lesser of two breakpoints between which no curve can be told from a corner."""
     at, times = found.at, found.times
     least = NEAREST * (at[-1] - at[0]) + 8 * np.spacing(max(abs(at[0]), abs(at[-1])))
-    close = np.flatnonzero(at[1:] - at[:-1] < least)
+    close = (at[1:] - at[:-1] < least).nonzero()[0]
     if not len(close):
         return found
     lesser = np.where(times[close] < times[close + 1], close, close + 1)

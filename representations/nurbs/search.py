@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from multirep.arrays import Array, Indices
@@ -10,9 +12,8 @@ from multirep.representations.nurbs.equalizing import TARGET, equalized
 from multirep.representations.nurbs.problem import Breakpoints, Course, Problem, Trial
 from multirep.representations.nurbs.refinement import merged_breakpoints, refined
 
-#: A vertex that stands out by so many allowances becomes a corner at once: smooth knots around it
-#: would cost more control points. Measured on coastlines; flat between 5 and 20.
-CORNER_HEIGHT = 10.0
+#: Rounding of one operation is at most half of it.
+EPSILON = 2.0**-52
 #: Rounds of cutting before the last resort, corners at all vertices of what still fails.
 ROUNDS = 20
 #: The last resort begins earlier when there are so many spans for each vertex and order: cutting
@@ -28,26 +29,26 @@ EVENING_FLOOR = 0.1
 WORTHWHILE = 0.75
 
 
-def check_tolerance(course: Course, degree: int, tolerance: float, largest: float) -> None:
+def check_tolerance(course: Course, degree: int, tolerance: float) -> None:
     """Refuse a tolerance that the rounding term of the proof alone exceeds.
 
     Raises
     ------
     ToleranceError
     """
-    unit = (8 * degree + 16) * np.finfo(np.float64).eps * np.sqrt(course.points.shape[1]) * largest
+    unit = (8 * degree + 16) * EPSILON * math.sqrt(course.points.shape[1]) * course.largest
     if not course.tightest > 2 * unit:
         raise ToleranceError(
             f"a tolerance of {tolerance:.3g} is below what rounding allows for coordinates up to "
-            f"{largest:.3g}; the smallest is about {4 * unit:.3g}",
+            f"{course.largest:.3g}; the smallest is about {4 * unit:.3g}",
             tolerance=tolerance,
-            reachable=4 * float(unit),
+            reachable=4 * unit,
         )
 
 
 def searched(
     problem: Problem, begin: Breakpoints, forced: Array, tolerance: float
-) -> tuple[Trial, Array]:
+) -> tuple[Trial, float]:
     """Find knots on which a fit can be proved.
 
     Parameters
@@ -63,8 +64,8 @@ def searched(
     Returns
     -------
     trial : Trial
-    proof : (m,) array
-        Certified deviation on each chord.
+    bound : float
+        The largest deviation, certified.
 
     Raises
     ------
@@ -72,24 +73,31 @@ def searched(
         When no fit can be proved.
     """
     trial = passed(problem, problem.ends.roomy(begin), tolerance)
-    wanted = (np.maximum(trial.worst / TARGET, 1e-4) ** (1 / (problem.degree + 1))).sum()
-    corners = np.count_nonzero(trial.breakpoints.times[1:-1] >= problem.degree)
-    if max(wanted, corners) + 1 + len(forced) < WORTHWHILE * len(trial.worst):
+    if _could_be_fewer(problem.degree, trial, len(forced)):
         trial = fewer(problem, trial, forced, tolerance)
     return proved(problem, trial, tolerance)
 
 
+def _could_be_fewer(degree: int, trial: Trial, forced: int) -> bool:
+    """Whether the residuals call for clearly fewer spans than there are."""
+    enough = WORTHWHILE * len(trial.worst) - 1 - forced
+    if enough <= 0 or int((trial.breakpoints.times[1:-1] >= degree).sum()) >= enough:
+        return False
+    return float((np.maximum(trial.worst / TARGET, 1e-4) ** (1 / (degree + 1))).sum()) < enough
+
+
 def passed(problem: Problem, begin: Breakpoints, tolerance: float) -> Trial:
-    """Cut spans until no residual exceeds its allowance."""
+    """Cut spans until no residual exceeds its allowance.
+
+    They are not evened out on the knots that there are: the next edit would find the same knots,
+    and have to do it again.
+    """
     trial, attempt = _tried(problem, begin, tolerance), 0
     most = MOST_SPANS * (problem.degree + 1) * len(problem.course.t) + len(begin.at)
     while True:
-        failing = np.flatnonzero(trial.worst > 1.0)
+        failing = (trial.worst > 1.0).nonzero()[0]
         if not len(failing):
             return trial
-        better = evened(problem, trial)
-        if better is not None:
-            return better
         if len(trial.worst) > most:
             attempt = max(attempt, ROUNDS)
         if attempt == ROUNDS + LAST_ROUNDS:
@@ -153,18 +161,21 @@ def fewer(problem: Problem, trial: Trial, forced: Array, tolerance: float) -> Tr
     return best
 
 
-def proved(problem: Problem, trial: Trial, tolerance: float) -> tuple[Trial, Array]:
-    """Prove a trial that passed; where the proof fails, cut and prove again."""
+def proved(problem: Problem, trial: Trial, tolerance: float) -> tuple[Trial, float]:
+    """Prove a trial that passed; where the proof fails, cut and prove again.
+
+    Returns the trial that is proved, and how far it is from the course at most.
+    """
     allowance = problem.course.allowance
     attempt = 0
     while True:
         proof = problem.proved(trial)
-        chords = np.flatnonzero(proof > allowance)
+        chords = (proof > allowance).nonzero()[0]
         if len(chords):
             proof = problem.proved(trial, splits=3)
             chords = np.flatnonzero(proof > allowance)
         if not len(chords):
-            return trial, proof
+            return trial, float(proof.max())
         failing = np.union1d(
             _spans_of(trial, problem.course.t, chords), np.flatnonzero(trial.worst > 1.0)
         )

@@ -18,15 +18,9 @@ from multirep.arrays import Array
 from multirep.edit import Edit
 from multirep.errors import InvalidCurveError, ParameterError, ToleranceError
 from multirep.representations.nurbs.joining import WeightError, Window
-from multirep.representations.nurbs.problem import (
-    KINK_HEIGHT,
-    Breakpoints,
-    Course,
-    Problem,
-    Trial,
-)
-from multirep.representations.nurbs.refinement import merged_breakpoints
-from multirep.representations.nurbs.search import CORNER_HEIGHT, check_tolerance, searched
+from multirep.representations.nurbs.problem import Breakpoints, Course, Problem, Trial
+from multirep.representations.nurbs.refinement import window_breakpoints
+from multirep.representations.nurbs.search import check_tolerance, searched
 from multirep.sampled import SampledSplice
 from multirep.splices import SpliceList
 
@@ -47,20 +41,19 @@ def spliced(curve: N, sampled: SampledSplice, tolerance: float) -> Edit[N]:
     if start < domain.start or stop > domain.stop:
         raise ParameterError(f"the splice {sampled.interval} leaves the domain {domain}")
     course = Course.from_sampled(sampled, tolerance)
-    largest = max(float(course.points.max()), -float(course.points.min()))
-    check_tolerance(course, curve.degree, tolerance, largest)
+    check_tolerance(course, curve.degree, tolerance)
     _check_gaps(curve, course, tolerance)
     window = Window.of(curve, start, stop, course.points)
     problem = Problem(curve.degree, course, window)
     forced, begin = _beginning(curve, window, course, start, stop)
     try:
-        trial, proof = searched(problem, begin, forced, tolerance)
+        trial, bound = searched(problem, begin, forced, tolerance)
     except WeightError:
         # With full multiplicity at both ends the weights outside need not be continued inside.
         times = begin.times.copy()
         times[[0, -1]] = np.maximum(times[[0, -1]], curve.degree)
-        trial, proof = searched(problem, Breakpoints(begin.at, times), forced, tolerance)
-    return _assembled(curve, window, trial, float(proof.max()))
+        trial, bound = searched(problem, Breakpoints(begin.at, times), forced, tolerance)
+    return _assembled(curve, window, trial, bound)
 
 
 def _check_gaps(curve: Nurbs, course: Course, tolerance: float) -> None:
@@ -91,46 +84,21 @@ def _beginning(
     continued from outside.
     """
     p = curve.degree
-    low = window.first + 1 if window.start is None else p + 1
-    high = window.last + 1 if window.stop is None else curve.size
+    open_left, open_right = window.start is not None, window.stop is not None
+    low = p + 1 if open_left else window.first + 1
+    high = curve.size if open_right else window.last + 1
     inside = curve._knots.window(low, max(high, low))
-    inner = inside[(inside > start) & (inside < stop)]
-    left = right = 1
-    forced = np.empty(0)
-    if window.start is None:
-        left = int(inside.searchsorted(start, "right"))
-        if left or window.rational:
-            forced = inside[:p]
-        left = max(left, 1)
-    else:
-        left = p + 1
-    if window.stop is None:
-        right = len(inside) - int(inside.searchsorted(stop, "left"))
-        if right or window.rational:
-            forced = np.concatenate((forced, inside[max(len(inside) - p, 0) :]))
-        right = max(right, 1)
-    else:
-        right = p + 1
-    forced = forced[(forced > start) & (forced < stop)]
-    distinct = inner
-    full = np.empty(0)
-    if len(inner) and bool((inner[1:] == inner[:-1]).any()):
-        firsts = np.concatenate(([True], inner[1:] > inner[:-1])).nonzero()[0]
-        distinct = inner[firsts]
-        times = np.concatenate((firsts[1:], [len(inner)])) - firsts
-        full = distinct[times >= p] if p > 1 else full
-    begin = Breakpoints(
-        np.concatenate(([start], distinct, [stop])),
-        np.concatenate(([left], np.ones(len(distinct), dtype=np.intp), [right])),
-    )
-    corners = course.t[1:-1][course.heights > CORNER_HEIGHT]
-    if len(full):  # old corners stay corners where the course has a kink to speak of
-        kinks = course.t[1:-1][course.heights > KINK_HEIGHT]
-        if len(kinks):
-            corners = np.union1d(corners, full[np.isin(full, kinks)])
-    if len(corners):
-        begin = merged_breakpoints(begin, corners, [corners], p)
-    return np.array(sorted(set(forced.tolist()))), begin
+    count = len(inside)
+    first = int(inside.searchsorted(start, "right"))
+    last = int(inside.searchsorted(stop, "left"))
+    times = p + 1 if open_left else max(first, 1), p + 1 if open_right else max(count - last, 1)
+    left, right = first, last  # of the p knots at either end those stay that lie between
+    if not open_left and (first or window.rational):
+        left = min(p, last)
+    if not open_right and (count > last or window.rational):
+        right = max(count - p, first, left)
+    forced = np.concatenate((inside[first:left], inside[right:last]))
+    return forced, window_breakpoints(inside[first:last], times, p, course)
 
 
 def _assembled(curve: N, window: Window, trial: Trial, bound: float) -> Edit[N]:

@@ -159,13 +159,15 @@ class NurbsValue(SplineCurve):
             )
         except ValueError as error:
             raise ToleranceError(str(error), tolerance=tolerance) from None
-        full = knots[: len(knots) - self.degree + 1]
-        full = full[(full == knots[self.degree - 1 :]) & (full > start) & (full < stop)]
+        last = len(knots) - self.degree + 1
+        full = knots[:last][knots[:last] == knots[self.degree - 1 :]]
+        if len(full):
+            full = np.unique(full[(full > start) & (full < stop)])
         return SampledSplice.unchecked(
             t,
             found,
             bound=float(bounds.max()),
-            breaks=tuple(np.unique(full).tolist()) if len(full) else (),
+            breaks=tuple(full.tolist()),
             chord_bounds=bounds,
         )
 

@@ -70,6 +70,20 @@ def test_seams_pass_through_the_middle(splices: SpliceList, shift: float) -> Non
     assert sampled.bound == pytest.approx(0.5 * widest, abs=1e-12)
 
 
+@given(shift=gaps.filter(bool), last=st.booleans())
+def test_a_seam_near_a_fixed_end_leaves_the_end_all_its_room(shift: float, last: bool) -> None:
+    """Even when one chord leads from the seam to the end, at which the gap may use up the hop."""
+    seam = (28.5 if last else 0.5) / 29  # the first author's parameters are multiples of 1 / 29
+    end = Interval(seam, T.stop) if last else Interval(T.start, seam)
+    state = state_of(SpliceList([T]) - SpliceList([end]), shift)
+    outside = wave(LoopbackRepresentation, 0.5, 30)
+    sampled = compose(state, T, tolerance=1e-3, fixed=(None, outside) if last else (outside, None))
+    assert chord_bounds(sampled)[-1 if last else 0] == 0.0
+    assert sampled.bound == pytest.approx(0.5 * shift, abs=2e-3)  # their chords differ
+    chords = sum(end.contains(float(t)) for t in sampled.t) - 1
+    assert chords == 2
+
+
 @given(
     left=sampled_splices(interval=Interval(0.0, 0.5)),
     right=sampled_splices(interval=Interval(0.5, 1)),

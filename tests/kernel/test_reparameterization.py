@@ -129,8 +129,9 @@ def test_all_representations_follow_and_the_shape_stays(author: Any, mapping: An
         assert max(off) <= curve.tolerance
     check_certificate(curve)
     if mapping == "even":
-        speed = np.linalg.norm(np.diff(curve.view(Polyline)(at), axis=0), axis=1)
-        assert speed.max() <= 1.1 * speed.min()  # chords of bends are shorter
+        finer = curve.view(Polyline)(np.linspace(0, 1, 5001))  # chords of bends are shorter
+        speed = np.linalg.norm(np.diff(finer, axis=0), axis=1).reshape(500, 10).sum(axis=1)
+        assert speed.max() <= 1.03 * speed.min()
 
 
 def test_even_speed_twice_is_once() -> None:

@@ -129,7 +129,7 @@ def test_a_window_of_a_stale_curve_touches_the_window(kind: type[Representation]
     np.testing.assert_array_equal(before(t), after(t))
     assert check_window(curve, kind, SpliceList([where])) == 1
     shared = {id(block) for block in before.points.blocks}
-    assert len(shared) > 10
+    assert len(shared) > 8
     assert sum(id(block) not in shared for block in after.points.blocks) <= 2
     with curve.listening() as events:
         curve.deviation(Polyline, kind, where)

@@ -11,10 +11,11 @@ from hypothesis import strategies as st
 from nurbs_cases import SMOOTH, course
 
 from multirep.arrays import Array
-from multirep.representations.nurbs.equalizing import equalized
+from multirep.representations.nurbs import Nurbs
+from multirep.representations.nurbs.equalizing import HELPERS, equalized, relieved
 from multirep.representations.nurbs.fitting import OpenEnds
 from multirep.representations.nurbs.problem import Breakpoints, Course, Problem
-from multirep.representations.nurbs.refinement import merged_breakpoints, refined
+from multirep.representations.nurbs.refinement import kinks, merged_breakpoints, refined
 from multirep.representations.nurbs.search import evened
 from multirep.sampled import SampledSplice
 from multirep.splines import simplified
@@ -90,6 +91,48 @@ def test_equalizing_leaves_corners_where_they_are() -> None:
     assert times[np.isin(at, corners)].tolist() == [3, 3]
     assert (times[1:-1][~np.isin(at[1:-1], corners)] == 1).all()
     assert times[[0, -1]].tolist() == [4, 4]
+
+
+@pytest.mark.parametrize("name", ["zigzag", "spiral"])
+def test_relieving_moves_nothing_but_failing_spans_and_their_neighbours(name: str) -> None:
+    """Each stretch of them gets one span at least, far fewer than one for each that fails."""
+    asked = problem(name, 1.0)
+    begin = merged_breakpoints(even(40, 3), np.array([0.5]), [np.array([0.5])], 3)
+    level = float(np.sort(asked.tried(begin).worst)[-8])
+    asked = problem(name, level)  # so that seven fail
+    trial = asked.tried(begin)
+    at, failing = trial.breakpoints.at, np.flatnonzero(trial.worst > 1.0)
+    assert len(failing) == 7
+    after, times = relieved(3, trial)
+    near = np.abs(np.arange(40)[:, None] - failing).min(axis=1) <= HELPERS
+    beside = np.concatenate(([False], near)) & np.concatenate((near, [False]))
+    assert np.isin(at[~beside], after).all()
+    assert 0 < len(after) - len(at) <= 7
+    assert times[after == 0.5].tolist() == [3]
+    assert times[[0, -1]].tolist() == [4, 4]
+    assert asked.tried(Breakpoints(after, times)).worst.max() < trial.worst.max()
+
+
+def test_only_what_stands_out_beside_its_neighbours_may_become_a_corner() -> None:
+    """The tip of a roof may, the vertices of a line that is jagged all along may not."""
+    t = np.linspace(0, 1, 41)
+    roof = np.stack([t, 0.1 * np.minimum(t, 1 - t)], axis=1)
+    jagged = np.stack([t, 1e-3 * (-1.0) ** np.arange(41)], axis=1)
+    allowance = np.full(40, 1e-3)
+    assert np.flatnonzero(kinks(Course.of(t, roof, allowance))).tolist() == [20]
+    assert not kinks(Course.of(t, jagged, allowance)).any()
+    assert kinks(Course.of(t, 100 * jagged, allowance))[1:-1].all()
+
+
+def test_a_line_jagged_within_a_few_allowances_takes_no_corners() -> None:
+    """A knot at each vertex serves all kinks; a corner each would cost three."""
+    rng = np.random.default_rng(3)
+    points = np.stack([np.linspace(0, 1, 301), 3e-3 * rng.normal(size=301)], axis=1)
+    sampled = SampledSplice(np.linspace(0, 1, 301), points)
+    curve = Nurbs.fit(sampled, tolerance=2e-3)
+    inner = np.asarray(curve.knots)[4:-4]
+    assert np.unique(inner, return_counts=True)[1].max() == 1
+    assert curve.size <= 1.1 * 301
 
 
 @pytest.mark.parametrize("name", SMOOTH)

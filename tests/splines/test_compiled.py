@@ -22,6 +22,7 @@ from multirep.representations.nurbs import boehm
 from multirep.representations.nurbs.changes import difference
 from multirep.representations.nurbs.fitting import Breakpoints
 from multirep.representations.nurbs.problem import KINK_HEIGHT, Course, Problem
+from multirep.representations.nurbs.refinement import window_breakpoints
 from multirep.representations.polyline.differences import _between_common
 from multirep.representations.polyline.sampling import _corners
 from multirep.representations.polyline.simplification import simplify
@@ -540,6 +541,27 @@ def test_courses_and_targets_are_the_same(line: Line, eighths: int) -> None:
             assert same(one, two)
         assert same(fast.corners, pure.corners)
         assert np.abs(fast.widths - pure.widths).max(initial=0.0) <= 1e-12
+
+
+@given(polylines(), seeds, st.integers(1, 4))
+def test_windows_begin_with_the_same_breakpoints(line: Line, seed: int, degree: int) -> None:
+    """Knots on vertices and between, once or often, some an ulp apart, with corners and without."""
+    rng = np.random.default_rng(seed)
+    course = Course.of(*line, np.full(len(line.t) - 1, 2.0 ** rng.integers(-8, 2)))
+    (start, stop), inner = line.t[[0, -1]], line.t[1:-1]
+    knots = np.concatenate(
+        (
+            inner[rng.random(len(inner)) < 0.5],
+            np.nextafter(inner[rng.random(len(inner)) < 0.2], stop),
+            rng.uniform(start, stop, 5),
+        )
+    ).repeat(rng.integers(1, degree + 1))
+    knots = np.sort(knots[(start < knots) & (knots < stop)])
+    times = int(rng.integers(1, degree + 2)), int(rng.integers(1, degree + 2))
+    fast, pure = both(lambda: window_breakpoints(knots, times, degree, course))
+    assert same(fast.at, pure.at)
+    assert fast.times.tolist() == pure.times.tolist()
+    assert fast.times[[0, -1]].tolist() == [*times]
 
 
 @pytest.mark.parametrize("level", [*range(1, 10), 13])
