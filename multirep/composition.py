@@ -29,6 +29,7 @@ def compose(
     interval: Interval,
     *,
     tolerance: float,
+    limit: float = 0.0,
     fixed: tuple[Representation | None, Representation | None] = (None, None),
     emit: Callable[[Event], None] | None = None,
     sample: Sampler = sample_author,
@@ -41,6 +42,8 @@ def compose(
     interval : Interval
     tolerance : float
         Certified distance of each piece from its author.
+    limit : float
+        How much farther a piece may be for vertices that are left out.
     fixed : pair of Representation or None
         What the splice must meet at either end because it is the author outside; chords are
         shortened there.
@@ -58,11 +61,11 @@ def compose(
     for stretch, name in state.authors.segments(interval):
         begin = perf_counter_ns()
         author = state.author_value(name)
-        piece = sample(author, stretch, tolerance=tolerance)
+        piece = sample(author, stretch, tolerance=tolerance, limit=limit)
         if fixed[0] is not None and stretch.start == interval.start:
-            piece = _short_end(author, piece, tolerance, fixed[0], sample, first=True)
+            piece = _short_end(author, piece, tolerance, limit, fixed[0], sample, first=True)
         if fixed[1] is not None and stretch.stop == interval.stop:
-            piece = _short_end(author, piece, tolerance, fixed[1], sample, first=False)
+            piece = _short_end(author, piece, tolerance, limit, fixed[1], sample, first=False)
         pieces.append(piece)
         if emit is not None:
             elapsed = (perf_counter_ns() - begin) / 1000
@@ -74,6 +77,7 @@ def _short_end(
     author: Representation,
     piece: SampledSplice,
     tolerance: float,
+    limit: float,
     outside: Representation,
     sample: Sampler,
     *,
@@ -88,7 +92,8 @@ def _short_end(
     if math.dist(there.tolist(), piece.points[end].tolist()) <= tolerance:
         return piece
     chord = Interval(*(piece.t[:2] if first else piece.t[-2:]).tolist())
-    fine = sample(author, chord, tolerance=SHORT_FIRST_CHORDS * tolerance)
+    share = SHORT_FIRST_CHORDS
+    fine = sample(author, chord, tolerance=share * tolerance, limit=share * limit)
     if len(piece.t) == 2:
         return fine
     chords = len(piece.t) - 1

@@ -1,0 +1,84 @@
+"""Fewer samples for long stretches: what that costs is added to the certificate."""
+
+from __future__ import annotations
+
+import math
+from itertools import pairwise
+
+import numpy as np
+
+from multirep.interval import Interval
+from multirep.sampled import SampledSplice, chord_bounds
+from multirep.splines.simplification import simplified
+
+#: So many controls of an author are thinned together, so that they can be remembered
+#: together: more are thinned again for a change in one of them, fewer leave a vertex too many each.
+PART = 2**11
+#: Stretches that would make more parts are thinned at once: there are too many to be remembered.
+MOST_PARTS = 24
+#: Parts are not cut from the ends of a stretch that are shorter than this, in terms of a part.
+SLIVER = 1 / 8
+#: Where the first mark is, in terms of a part: off any grid that vertices may lie on, for a corner
+#: at a mark would be inside of no part.
+OFFSET = 0.5 * (math.sqrt(5.0) - 1.0)
+
+
+def thinned(sampled: SampledSplice, limit: float) -> SampledSplice:
+    """Leave out vertices of a polyline as far as a limit lets it; the certificate says so.
+
+    Samples that were chosen for a tolerance are as few as need be, and are left as they are.
+
+    Parameters
+    ----------
+    sampled : SampledSplice
+    limit : float
+        How much farther from the source the polyline may be.
+
+    Returns
+    -------
+    SampledSplice
+        Of its breaks, those inside: at its ends it depends on nothing beyond. Cost: O(samples).
+
+    Examples
+    --------
+    >>> t = np.linspace(0, 1, 9)
+    >>> tent = SampledSplice(t, np.stack([t, np.abs(t - 0.5)], axis=1))
+    >>> thinned(tent, 1e-6).t
+    array([0. , 0.5, 1. ])
+    """
+    bounds = chord_bounds(sampled)
+    if len(bounds) < 2 or float(bounds.mean()) > limit:
+        return sampled
+    t = sampled.t
+    kept, deviation = simplified(t, sampled.points, np.full(len(bounds), limit))
+    bounds = np.maximum.reduceat(bounds, kept[:-1]) + deviation
+    t = t[kept]
+    breaks = set(sampled.breaks).intersection(t[1:-1].tolist()) if sampled.breaks else ()
+    return SampledSplice.unchecked(
+        t,
+        sampled.points[kept],
+        bound=float(bounds.max()),
+        breaks=tuple(sorted(breaks)),
+        chord_bounds=bounds,
+    )
+
+
+def parts(stretch: Interval, domain: Interval, controls: int) -> list[Interval]:
+    """Cut a stretch where any other stretch of the same curve would be cut, too.
+
+    At marks T / 2^k apart, with :data:`PART` controls or up to half as many in each part, were they
+    evenly spread; a stretch that is no longer than a part stays whole.
+
+    Examples
+    --------
+    >>> [str(part) for part in parts(Interval(0.1, 0.6), Interval(0, 1), 4 * PART)]
+    ['[0.1, 0.154508]', '[0.154508, 0.404508]', '[0.404508, 0.6]']
+    """
+    width = domain.length / 2 ** max(math.ceil(math.log2(max(controls, 1) / PART)), 0)
+    origin = domain.start + OFFSET * width
+    first = math.floor((stretch.start - origin) / width + SLIVER) + 1
+    last = math.ceil((stretch.stop - origin) / width - SLIVER) - 1
+    if stretch.length <= width or last - first + 2 > MOST_PARTS:
+        return [stretch]
+    marks = [origin + k * width for k in range(first, last + 1)]
+    return [Interval(*pair) for pair in pairwise([stretch.start, *marks, stretch.stop])]
