@@ -72,12 +72,22 @@ METHOD(core_kinks)
     Index d = points.columns;
     expect(&call, points.rows == t.rows && t.columns == 1, "each vertex needs a parameter");
     double *kinks = scratch(&call, t.rows);
-    Index found = 0;
+    /* Segments of less than half the limit, on which nothing can show: most of a dense polyline. */
+    double short_square = 0.2499 * limit * limit;
+    Index found = 0, begun = 0;
     for (Index i = 1; !call.failed && i + 1 < t.rows; i++) {
-        double before = t.at[i] - t.at[i - 1], after = t.at[i + 1] - t.at[i], square = 0.0;
+        const double *here = points.at + i * d;
+        double square = 0.0;
+        for (Index c = 0; c < d; c++)
+            square += (here[c + d] - here[c]) * (here[c + d] - here[c]);
+        int nothing = begun && square < short_square;
+        begun = square < short_square;
+        if (nothing)
+            continue;
+        double before = t.at[i] - t.at[i - 1], after = t.at[i + 1] - t.at[i];
         /* without dividing by a length alone: slopes of tiny segments overflow */
         double shorter = smaller(after, before);
-        const double *here = points.at + i * d;
+        square = 0.0;
         for (Index c = 0; c < d; c++) {
             double jump = (here[c + d] - here[c]) * (shorter / after) -
                           (here[c] - here[c - d]) * (shorter / before);

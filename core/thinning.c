@@ -2,40 +2,95 @@
 see multirep.splines.simplification. */
 #include "core.h"
 
+#include <float.h>
 #include <math.h>
 
-METHOD(core_spread)
+/* A polyline to be thinned; how far it may be off at vertex i, squared: squares[i - 1], or `most` at
+all of them. */
+typedef struct {
+    Call *call;
+    Table t, points;
+    const double *squares;
+    double most;
+    double *slope;
+} Polyline;
+
+/* Into `slope`. */
+static void aim(const Polyline *line, Index start, Index stop)
 {
-    /* t (m + 1,), points (m + 1, d), limits of inner vertices (m - 1,); returns the vertices, from 0
-    to m, whose chords have about the allowed sagitta, as bytes */
-    Call call;
-    begin(&call, count, 3);
-    if (call.failed)
-        return finish(&call, NULL);
-    Table t = reals(&call, values[0]), points = reals(&call, values[1]);
-    Table limits = reals(&call, values[2]);
-    Index m = t.rows - 1, d = points.columns, found = 1;
-    expect(&call,
-           m >= 1 && t.columns == 1 && points.rows == m + 1 && limits.rows == m - 1,
-           "each vertex needs a parameter, each inner one a limit");
-    Index *chosen = index_scratch(&call, m + 1);
-    double *slope = scratch(&call, d);
-    if (call.failed)
-        return finish(&call, NULL);
-    chosen[0] = 0;
-    double sum = 0.0, next_whole = 1.0, before = t.at[1] - t.at[0];
+    Index d = line->points.columns;
+    const double *first = line->points.at + start * d, *last = line->points.at + stop * d;
+    double length = line->t.at[stop] - line->t.at[start];
     for (Index c = 0; c < d; c++)
-        slope[c] = (points.at[c + d] - points.at[c]) / before;
+        line->slope[c] = (last[c] - first[c]) / length;
+}
+
+/* How far a vertex is from the chord that was aimed from `start`, squared. */
+static inline double off_chord(const Polyline *line, Index start, Index i)
+{
+    Index d = line->points.columns;
+    const double *first = line->points.at + start * d, *row = line->points.at + i * d;
+    double along = line->t.at[i] - line->t.at[start], square = 0.0;
+    for (Index c = 0; c < d; c++) {
+        double off = row[c] - first[c] - along * line->slope[c];
+        square += off * off;
+    }
+    return square;
+}
+
+/* The vertex that is farthest from the chord between two, in terms of what is allowed; -1 if all are
+within that. */
+static Index worst_beyond(const Polyline *line, Index start, Index stop)
+{
+    double most = line->most;
+    Index worst = -1;
+    aim(line, start, stop);
+    for (Index i = start + 1; i < stop; i++) {
+        double far = off_chord(line, start, i);
+        if (line->squares)
+            far /= line->squares[i - 1];
+        if (far > most) {
+            most = far;
+            worst = i;
+        }
+    }
+    return worst;
+}
+
+/* Whether one chord can stand for all vertices between two. */
+static int serves(const Polyline *line, Index start, Index stop)
+{
+    aim(line, start, stop);
+    for (Index i = start + 1; i < stop; i++) {
+        double far = off_chord(line, start, i);
+        if (line->squares)
+            far /= line->squares[i - 1];
+        if (far > line->most)
+            return 0;
+    }
+    return 1;
+}
+
+/* The vertices whose chords have about the allowed sagitta, from 0 to the last; how many. */
+static Index laid_out(const Polyline *line, const double *limits, double limit, Index *chosen)
+{
+    Index m = line->t.rows - 1, d = line->points.columns, found = 1;
+    const double *t = line->t.at;
+    double sum = 0.0, next_whole = 1.0, before = t[1] - t[0], *slope = line->slope;
+    for (Index c = 0; c < d; c++)
+        slope[c] = (line->points.at[c + d] - line->points.at[c]) / before;
+    chosen[0] = 0;
     for (Index i = 1; i < m; i++) {
-        const double *row = points.at + i * d;
-        double after = t.at[i + 1] - t.at[i], square = 0.0;
+        const double *row = line->points.at + i * d;
+        double after = t[i + 1] - t[i], square = 0.0;
         for (Index c = 0; c < d; c++) {
             double next = (row[c + d] - row[c]) / after, kink = next - slope[c];
             square += kink * kink;
             slope[c] = next;
         }
         /* Each vertex stands for a kink J over the mean h of its two steps: h sqrt(J / h / (8 limit)). */
-        sum += smaller(sqrt(sqrt(square) * (after + before) / (16 * limits.at[i - 1])), 1.0);
+        double share = sqrt(square) * (after + before) / (16 * (limits ? limits[i - 1] : limit));
+        sum += smaller(sqrt(share), 1.0);
         before = after;
         if (sum >= next_whole) {
             chosen[found++] = i;
@@ -43,59 +98,93 @@ METHOD(core_spread)
         }
     }
     chosen[found++] = m;
-    return finish(&call, bytes_of(chosen, found * (Index)sizeof(Index)));
+    return found;
 }
 
-METHOD(core_farthest)
+/* Append the vertices at which a group is cut, and its end; 0 when more rounds would be needed. */
+static int cut(const Polyline *line, Index start, Index stop, Index rounds, Index *kept, Index *count)
 {
-    /* t (m + 1,), points (m + 1, d), limits of inner vertices (m - 1,) or None, chosen vertices
-    from 0 to m (k + 1,); for each chord the largest distance at equal parameter, over the limit,
-    (k,), and the first vertex there, (k,) */
+    Index worst = worst_beyond(line, start, stop);
+    if (worst < 0)
+        kept[(*count)++] = stop;
+    else if (rounds <= 1)
+        return 0;
+    else
+        return cut(line, start, worst, rounds - 1, kept, count) &&
+               cut(line, worst, stop, rounds - 1, kept, count);
+    return 1;
+}
+
+/* Merge groups 2 i + side and 2 i + 1 + side where one chord serves both; how many vertices stay. */
+static Index merged(const Polyline *line, Index *kept, Index count, Index side)
+{
+    Index written = 1 + side;
+    for (Index j = 1 + side; j < count; j += 2) {
+        /* Vertex j may go, j + 1 stays. */
+        if (j + 1 == count || !serves(line, kept[j - 1], kept[j + 1]))
+            kept[written++] = kept[j];
+        if (j + 1 < count)
+            kept[written++] = kept[j + 1];
+    }
+    return written;
+}
+
+METHOD(core_thin)
+{
+    /* t (m + 1,), points (m + 1, d), limits of inner vertices (m - 1,) or None, the limit of all then;
+    rounds of cutting and of merging, the part of vertices that must go in a round to go on. Returns
+    the vertices to keep, from 0 to m, and how far the others are from each chord, as bytes. */
     Call call;
-    begin(&call, count, 6);
+    begin(&call, count, 7);
     if (call.failed)
         return finish(&call, NULL);
-    Table t = reals(&call, values[0]), points = reals(&call, values[1]);
+    Polyline line = {&call, reals(&call, values[0]), reals(&call, values[1]), NULL, 1.0, NULL};
     Table limits = reals_or_none(&call, values[2]);
-    Places chosen = places(&call, values[3]);
-    Table largest = output(&call, values[4]);
-    Slots worst = slots(&call, values[5]);
-    Index m = t.rows - 1, d = points.columns, chords = chosen.rows - 1;
+    double limit = limits.at ? 1.0 : real(&call, values[3]), going_on = real(&call, values[6]);
+    Index rounds = integer(&call, values[4]), merges = integer(&call, values[5]);
+    Index m = line.t.rows - 1, d = line.points.columns, chosen = 0, found = 1;
     expect(&call,
-           m >= 1 && t.columns == 1 && points.rows == m + 1 &&
+           m >= 1 && line.t.columns == 1 && line.points.rows == m + 1 &&
                (!limits.at || limits.rows == m - 1),
            "each vertex needs a parameter, each inner one a limit");
-    expect(&call, chords >= 1 && largest.rows == chords && worst.rows == chords,
-           "each chord needs a place for its distance");
-    if (!call.failed)
-        expect(&call, chosen.at[0] == 0 && chosen.at[chords] == m,
-               "the first and the last vertex must be chosen");
-    double *slope = scratch(&call, d);
-    for (Index k = 0; !call.failed && k < chords; k++) {
-        Index start = chosen.at[k], stop = chosen.at[k + 1];
-        expect(&call, start < stop && stop <= m, "chosen vertices must increase");
-        if (call.failed)
+    expect(&call, rounds <= 64, "at most 64 rounds of cutting are possible");
+    Index *groups = index_scratch(&call, m + 1), *kept = index_scratch(&call, m + 1);
+    double *squares = limits.at ? scratch(&call, m) : NULL;
+    line.slope = scratch(&call, d);
+    if (call.failed)
+        return finish(&call, NULL);
+    for (Index i = 0; limits.at && i + 1 < m; i++)
+        squares[i] = limits.at[i] * limits.at[i];
+    line.squares = squares;
+    line.most = limit * limit;
+    chosen = laid_out(&line, limits.at, limit, groups);
+    kept[0] = 0;
+    for (Index k = 0; k + 1 < chosen; k++)
+        if (!cut(&line, groups[k], groups[k + 1], rounds, kept, &found)) {
+            for (found = 0; found <= m; found++)
+                kept[found] = found;
             break;
-        const double *first = points.at + start * d, *last = points.at + stop * d;
-        double length = t.at[stop] - t.at[start], most = 0.0;
-        for (Index c = 0; c < d; c++)
-            slope[c] = (last[c] - first[c]) / length;
-        worst.at[k] = start;
-        for (Index i = start + 1; i < stop; i++) {
-            double along = t.at[i] - t.at[start], square = 0.0;
-            for (Index c = 0; c < d; c++) {
-                double off = points.at[i * d + c] - first[c] - along * slope[c];
-                square += off * off;
-            }
-            double far = sqrt(square);
-            if (limits.at)
-                far /= limits.at[i - 1];
-            if (far > most) {
-                most = far;
-                worst.at[k] = i;
-            }
         }
-        largest.at[k] = most;
+    for (Index side = 0; side < merges; side++) {
+        Index before = found;
+        found = merged(&line, kept, found, side % 2);
+        if ((double)found > going_on * (double)before)
+            break;
     }
-    return finish(&call, Py_NewRef(Py_None));
+    double *deviations = scratch(&call, found), largest = 0.0;
+    if (call.failed)
+        return finish(&call, NULL);
+    for (Index i = 0; i < (m + 1) * d; i++)
+        largest = larger(largest, fabs(line.points.at[i]));
+    double slack = 16 * DBL_EPSILON * sqrt((double)d) * largest;
+    for (Index k = 0; k + 1 < found; k++) {
+        double most = 0.0;
+        aim(&line, kept[k], kept[k + 1]);
+        for (Index i = kept[k] + 1; i < kept[k + 1]; i++)
+            most = larger(most, off_chord(&line, kept[k], i));
+        deviations[k] = kept[k + 1] - kept[k] > 1 ? sqrt(most) + slack : 0.0;
+    }
+    PyObject *vertices = bytes_of(kept, found * (Index)sizeof(Index));
+    return finish(&call, pair_of(&call, vertices,
+                                 bytes_of(deviations, (found - 1) * (Index)sizeof(double))));
 }

@@ -8,7 +8,7 @@ from itertools import pairwise
 import numpy as np
 
 from multirep.interval import Interval
-from multirep.sampled import SampledSplice, chord_bounds
+from multirep.sampled import SampledSplice
 from multirep.splines.simplification import simplified
 
 #: So many controls of an author are thinned together, so that they can be remembered
@@ -46,20 +46,22 @@ def thinned(sampled: SampledSplice, limit: float) -> SampledSplice:
     >>> thinned(tent, 1e-6).t
     array([0. , 0.5, 1. ])
     """
-    bounds = chord_bounds(sampled)
-    if len(bounds) < 2 or float(bounds.mean()) > limit:
+    t, bounds = sampled.t, sampled.chord_bounds
+    mean = sampled.bound if bounds is None else float(bounds.mean())
+    if len(t) < 3 or mean > limit:
         return sampled
-    t = sampled.t
-    kept, deviation = simplified(t, sampled.points, np.full(len(bounds), limit))
-    bounds = np.maximum.reduceat(bounds, kept[:-1]) + deviation
+    kept, deviation = simplified(t, sampled.points, limit)
+    deviation = deviation + (
+        sampled.bound if bounds is None else np.maximum.reduceat(bounds, kept[:-1])
+    )
     t = t[kept]
     breaks = set(sampled.breaks).intersection(t[1:-1].tolist()) if sampled.breaks else ()
     return SampledSplice.unchecked(
         t,
         sampled.points[kept],
-        bound=float(bounds.max()),
+        bound=float(deviation.max()),
         breaks=tuple(sorted(breaks)),
-        chord_bounds=bounds,
+        chord_bounds=deviation,
     )
 
 

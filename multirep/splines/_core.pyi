@@ -227,16 +227,16 @@ def plus(
     points: Array,
     /,
 ) -> None: ...
-def spread(t: Array, points: Array, limits: Array, /) -> bytearray: ...
-def farthest(
+def thin(
     t: Array,
     points: Array,
     limits: Array | None,
-    kept: IntArray,
-    largest: Array,
-    worst: IntArray,
+    limit: float,
+    rounds: int,
+    merges: int,
+    going_on: float,
     /,
-) -> None: ...
+) -> tuple[bytearray, bytearray]: ...
 def insert_knot(
     degree: int,
     t: float,
