@@ -286,7 +286,7 @@ METHOD(core_course);
 METHOD(core_target);
 METHOD(core_between_common);
 METHOD(core_interpolate);
-METHOD(core_kinks);
+METHOD(core_stretch);
 METHOD(core_simplify);
 METHOD(core_common);
 METHOD(core_changed_spans);

@@ -28,7 +28,7 @@ static PyMethodDef methods[] = {
     ENTRY(target),
     ENTRY(between_common),
     ENTRY(interpolate),
-    ENTRY(kinks),
+    ENTRY(stretch),
     ENTRY(simplify),
     ENTRY(common),
     ENTRY(changed_spans),

@@ -59,30 +59,23 @@ METHOD(core_interpolate)
     return finish(&call, Py_NewRef(Py_None));
 }
 
-METHOD(core_kinks)
+/* The parameters of inner vertices at which the jump of the slope times the shorter segment exceeds a
+limit. */
+static PyObject *kinks_of(Call *call, Table t, Table points, double limit, double from, double to)
 {
-    /* t (m,), points (m, d), a limit; returns the parameters of inner vertices at which the jump of
-    the slope times the shorter segment exceeds it */
-    Call call;
-    begin(&call, count, 3);
-    if (call.failed)
-        return finish(&call, NULL);
-    Table t = reals(&call, values[0]), points = reals(&call, values[1]);
-    double limit = real(&call, values[2]);
-    Index d = points.columns;
-    expect(&call, points.rows == t.rows && t.columns == 1, "each vertex needs a parameter");
-    double *kinks = scratch(&call, t.rows);
-    /* Segments of less than half the limit, on which nothing can show: most of a dense polyline. */
+    Index d = points.columns, found = 0;
+    double *kinks = scratch(call, t.rows);
+    /* Of two segments that are no longer than half the limit nothing shows: most of a dense polyline. */
     double short_square = 0.2499 * limit * limit;
-    Index found = 0, begun = 0;
-    for (Index i = 1; !call.failed && i + 1 < t.rows; i++) {
+    int short_before = 0;
+    for (Index i = 1; !call->failed && i + 1 < t.rows; i++) {
         const double *here = points.at + i * d;
         double square = 0.0;
         for (Index c = 0; c < d; c++)
             square += (here[c + d] - here[c]) * (here[c + d] - here[c]);
-        int nothing = begun && square < short_square;
-        begun = square < short_square;
-        if (nothing)
+        int short_after = square < short_square, hidden = short_before && short_after;
+        short_before = short_after;
+        if (hidden || t.at[i] < from || t.at[i] > to)
             continue;
         double before = t.at[i] - t.at[i - 1], after = t.at[i + 1] - t.at[i];
         /* without dividing by a length alone: slopes of tiny segments overflow */
@@ -96,7 +89,60 @@ METHOD(core_kinks)
         if (sqrt(square) > limit)
             kinks[found++] = t.at[i];
     }
-    return finish(&call, numbers(&call, kinks, found));
+    return numbers(call, kinks, found);
+}
+
+/* The point at a parameter of segment k; returns how far rounding may have moved it. */
+static double cut_at(const Table *t, const Table *points, Index k, double at, double unit, double *point)
+{
+    Index d = points->columns;
+    const double *low = points->at + k * d, *high = low + d;
+    double u = (at - t->at[k]) / (t->at[k + 1] - t->at[k]), square = 0.0;
+    for (Index c = 0; c < d; c++) {
+        point[c] = u == 1.0 ? high[c] : low[c] + u * (high[c] - low[c]);
+        double rounding = 5 * fabs(high[c] - low[c]) + fabs(point[c]);
+        square += rounding * rounding;
+    }
+    return t->at[k] == at || t->at[k + 1] == at ? 0.0 : unit * sqrt(square);
+}
+
+METHOD(core_stretch)
+{
+    /* t (m,), points (m, d), the first vertex inside a stretch and the first behind those, its ends, a
+    limit of kinks, the roundoff unit, the stretch's t and points or None; returns a bound of the
+    rounding at the ends, and the parameters of kinks in the stretch beyond the limit */
+    Call call;
+    begin(&call, count, 10);
+    if (call.failed)
+        return finish(&call, NULL);
+    Table t = reals(&call, values[0]), points = reals(&call, values[1]);
+    Index first = integer(&call, values[2]), last = integer(&call, values[3]), d = points.columns;
+    double start = real(&call, values[4]), stop = real(&call, values[5]);
+    double limit = real(&call, values[6]), unit = real(&call, values[7]), bound = 0.0;
+    expect(&call,
+           points.rows == t.rows && t.columns == 1 && 1 <= first && first <= last && last < t.rows,
+           "a stretch lies between two vertices");
+    if (!call.failed && values[8] != Py_None) {
+        Table new_t = output(&call, values[8]), rows = output(&call, values[9]);
+        Index inside = last - first;
+        expect(&call,
+               new_t.rows == inside + 2 && rows.rows == inside + 2 && rows.columns == d &&
+                   new_t.columns == 1,
+               "room for the stretch is missing");
+        if (call.failed)
+            return finish(&call, NULL);
+        memcpy(new_t.at + 1, t.at + first, (size_t)inside * sizeof(double));
+        memcpy(rows.at + d, points.at + first * d, (size_t)(inside * d) * sizeof(double));
+        new_t.at[0] = start;
+        new_t.at[inside + 1] = stop;
+        double at_start = cut_at(&t, &points, first - 1, start, unit, rows.at);
+        double at_stop = cut_at(&t, &points, last - 1, stop, unit, rows.at + (inside + 1) * d);
+        bound = larger(at_start, at_stop);
+    }
+    if (call.failed)
+        return finish(&call, NULL);
+    PyObject *rounding = PyFloat_FromDouble(bound);
+    return finish(&call, pair_of(&call, rounding, kinks_of(&call, t, points, limit, start, stop)));
 }
 
 /* Whether the chord between two samples is within the allowance of every sample between. */

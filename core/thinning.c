@@ -8,7 +8,6 @@ see multirep.splines.simplification. */
 /* A polyline to be thinned; how far it may be off at vertex i, squared: squares[i - 1], or `most` at
 all of them. */
 typedef struct {
-    Call *call;
     Table t, points;
     const double *squares;
     double most;
@@ -131,33 +130,36 @@ static Index merged(const Polyline *line, Index *kept, Index count, Index side)
 
 METHOD(core_thin)
 {
-    /* t (m + 1,), points (m + 1, d), limits of inner vertices (m - 1,) or None, the limit of all then;
-    rounds of cutting and of merging, the part of vertices that must go in a round to go on. Returns
-    the vertices to keep, from 0 to m, and how far the others are from each chord, as bytes. */
+    /* t (m + 1,), points (m + 1, d), limits of chords (m,) or None, the limit of all then; rounds of
+    cutting and of merging, how large a part of the vertices must be left at most to go on. Returns the
+    vertices to keep, from 0 to m, and how far the others are from each chord, as bytes. */
     Call call;
     begin(&call, count, 7);
     if (call.failed)
         return finish(&call, NULL);
-    Polyline line = {&call, reals(&call, values[0]), reals(&call, values[1]), NULL, 1.0, NULL};
+    Polyline line = {reals(&call, values[0]), reals(&call, values[1]), NULL, 1.0, NULL};
     Table limits = reals_or_none(&call, values[2]);
     double limit = limits.at ? 1.0 : real(&call, values[3]), going_on = real(&call, values[6]);
     Index rounds = integer(&call, values[4]), merges = integer(&call, values[5]);
     Index m = line.t.rows - 1, d = line.points.columns, chosen = 0, found = 1;
     expect(&call,
            m >= 1 && line.t.columns == 1 && line.points.rows == m + 1 &&
-               (!limits.at || limits.rows == m - 1),
-           "each vertex needs a parameter, each inner one a limit");
+               (!limits.at || limits.rows == m),
+           "each vertex needs a parameter, each chord a limit");
     expect(&call, rounds <= 64, "at most 64 rounds of cutting are possible");
     Index *groups = index_scratch(&call, m + 1), *kept = index_scratch(&call, m + 1);
+    double *inner = limits.at ? scratch(&call, m) : NULL;
     double *squares = limits.at ? scratch(&call, m) : NULL;
     line.slope = scratch(&call, d);
     if (call.failed)
         return finish(&call, NULL);
-    for (Index i = 0; limits.at && i + 1 < m; i++)
-        squares[i] = limits.at[i] * limits.at[i];
+    for (Index i = 0; limits.at && i + 1 < m; i++) {
+        inner[i] = smaller(limits.at[i], limits.at[i + 1]);
+        squares[i] = inner[i] * inner[i];
+    }
     line.squares = squares;
     line.most = limit * limit;
-    chosen = laid_out(&line, limits.at, limit, groups);
+    chosen = laid_out(&line, inner, limit, groups);
     kept[0] = 0;
     for (Index k = 0; k + 1 < chosen; k++)
         if (!cut(&line, groups[k], groups[k + 1], rounds, kept, &found)) {

@@ -191,7 +191,19 @@ def halves(starts: Array, stops: Array, middles: Array, /) -> None: ...
 def interpolate(
     t: Array | Rope, points: Array | Rope, at: Array | float, found: Array, /
 ) -> None: ...
-def kinks(t: Array, points: Array, limit: float, /) -> list[float]: ...
+def stretch(
+    t: Array,
+    points: Array,
+    first: int,
+    last: int,
+    start: float,
+    stop: float,
+    limit: float,
+    unit: float,
+    new_t: Array | None,
+    rows: Array | None,
+    /,
+) -> tuple[float, list[float]]: ...
 def simplify(
     t: Array, values: Array, targets: Array, allowed: Array, keep: IntArray, rounds: int, /
 ) -> bytearray: ...

@@ -50,11 +50,11 @@ def simplified(t: Array, points: Array, limit: Array | float) -> tuple[IntArray,
     >>> kept.tolist(), bool((deviation < 1e-14).all())
     ([0, 4, 8], True)
     """
-    at_vertices = limit if isinstance(limit, float) else np.minimum(limit[1:], limit[:-1])
     if compiled.active:
-        limits, all_of_them = (None, limit) if isinstance(limit, float) else (at_vertices, 0.0)
-        found = compiled.core.thin(t, points, limits, all_of_them, ROUNDS, MERGES, GOING_ON)
+        limits, same = (None, limit) if isinstance(limit, float) else (limit, 0.0)
+        found = compiled.core.thin(t, points, limits, same, ROUNDS, MERGES, GOING_ON)
         return np.frombuffer(found[0], dtype=np.intp), np.frombuffer(found[1])
+    at_vertices = limit if isinstance(limit, float) else np.minimum(limit[1:], limit[:-1])
     count = len(t)
     kept = _laid_out(t, points, at_vertices)
     for _ in range(ROUNDS):

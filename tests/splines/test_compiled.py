@@ -23,7 +23,7 @@ from multirep.representations.nurbs.changes import difference
 from multirep.representations.nurbs.fitting import Breakpoints
 from multirep.representations.nurbs.problem import KINK_HEIGHT, Course, Problem
 from multirep.representations.polyline.differences import _between_common
-from multirep.representations.polyline.sampling import _corners
+from multirep.representations.polyline.sampling import sample_stretch
 from multirep.representations.polyline.simplification import simplify
 from multirep.representations.wavelet import attempt, prediction, splicing
 from multirep.representations.wavelet.analysis import analyse
@@ -513,16 +513,27 @@ def polylines(draw: st.DrawFn) -> Line:
 
 @given(polylines(), seeds)
 def test_polylines_are_looked_at_alike(line: Line, seed: int) -> None:
-    """Points at parameters in any order, at vertices and beyond the ends; kinks."""
+    """Points at parameters in any order, at vertices and beyond the ends."""
     rng = np.random.default_rng(seed)
     at = np.concatenate((line.t, rng.uniform(line.t[0] - 1, line.t[-1] + 1, 30)))
     rng.shuffle(at)
     for parameters_ in (at, at.reshape(2, -1) if len(at) % 2 == 0 else at, at[0]):
         fast, pure = both(lambda at=parameters_: interpolate(*line, at))
         assert same(fast, pure)
-    for tolerance in (0.0, 1e-9, 1e-2):
-        fast, pure = both(lambda tolerance=tolerance: _corners(*line, tolerance))
-        assert same(fast, pure)
+
+
+@given(polylines(), seeds, st.sampled_from([0.0, 1e-9, 1e-3, 1e-2]))
+def test_stretches_of_polylines_are_the_same(line: Line, seed: int, tolerance: float) -> None:
+    """From and to a vertex or a place between two: samples, rounding, corners."""
+    rng = np.random.default_rng(seed)
+    places = np.concatenate((line.t, rng.uniform(line.t[0], line.t[-1], len(line.t))))
+    stretch = Interval(*np.sort(rng.choice(places, 2, replace=False)).tolist())
+    assume(stretch.length > 0)
+    t, points = map(BlockArray.of, line)
+    fast, pure = both(lambda: sample_stretch(t, points, stretch, tolerance))
+    assert same(fast.t, pure.t)
+    assert same(fast.points, pure.points)
+    assert (fast.bound, fast.breaks) == (pure.bound, pure.breaks)
 
 
 @given(polylines(), st.integers(1, 8))
@@ -695,8 +706,12 @@ def test_what_does_not_fit_is_refused() -> None:
         call.common(points, knots)
     with pytest.raises(ValueError, match="n \\+ p \\+ 1 knots"):
         call.sample(knots, points[:2], 2, False, 0.0, 1.0, 1.0)
-    with pytest.raises(ValueError, match="each inner one a limit"):
-        call.thin(knots + np.arange(6), np.zeros((6, 2)), np.ones(5), 0.0, 40, 6, 0.97)
+    with pytest.raises(ValueError, match="each chord a limit"):
+        call.thin(knots + np.arange(6), np.zeros((6, 2)), np.ones(4), 0.0, 40, 6, 0.97)
+    with pytest.raises(ValueError, match="between two vertices"):
+        call.stretch(knots, np.zeros((6, 2)), 0, 1, 0.0, 1.0, 1.0, EPS, None, None)
+    with pytest.raises(ValueError, match="room for the stretch"):
+        call.stretch(knots, np.zeros((6, 2)), 1, 2, 0.0, 1.0, 1.0, EPS, t, np.empty((3, 2)))
     with pytest.raises(ValueError, match="at most 64 rounds"):
         call.thin(knots + np.arange(6), np.zeros((6, 2)), None, 1.0, 65, 6, 0.97)
     with pytest.raises(ValueError, match="two vertices"):
