@@ -14,7 +14,7 @@ from multirep.errors import MultirepError, PluginError
 from multirep.interval import Interval
 from multirep.representation import Representation
 from multirep.sampled import SampledSplice, join
-from multirep.thinning import parts, thinned
+from multirep.thinning import ThinnedStretches, parts, thinned
 
 #: How many are kept: the pieces of one composed splice, seams and short ends included.
 KEPT = 8
@@ -24,9 +24,9 @@ LONGEST = 4096
 #: chords: else sampling the rest at both ends costs more than sampling at once.
 MOST = 3 / 4
 FEWEST = 32
-#: How many thinned parts are kept: more are looked through at each edit, fewer are soon thinned
-#: again where two places are edited in turns.
-KEPT_THINNED = 64
+#: Of so many values, or versions of one, thinned stretches are kept: those of a drag, and what it
+#: began with, to which an undo goes back.
+VERSIONS = 6
 
 
 class Sampler(Protocol):
@@ -82,7 +82,7 @@ class RecentSamples:
 
     def __init__(self) -> None:
         self._kept: list[tuple[Representation, float, SampledSplice]] = []
-        self._thinned: dict[tuple[float, ...], tuple[Representation, SampledSplice]] = {}
+        self._thinned: list[ThinnedStretches] = []
 
     def __call__(
         self, author: Representation, stretch: Interval, *, tolerance: float, limit: float = 0.0
@@ -124,18 +124,20 @@ class RecentSamples:
             pieces.append(sample_author(author, rest, tolerance=tolerance))
         return join(pieces)
 
-    # -- thinned -----------------------------------------------------------------------------------
-
     def _sampled_thinly(
         self, author: Representation, stretch: Interval, tolerance: float, limit: float
     ) -> SampledSplice:
         """Thin a stretch part by part, and remember the parts and the whole."""
-        known = self._recalled(author, stretch, tolerance, limit)
-        if known is not None:
-            return known
+        known = self._thinned_of(author) or ThinnedStretches(author)
+        self._thinned = [known, *[other for other in self._thinned if other is not known]][
+            :VERSIONS
+        ]
+        joined = known.recall(stretch, tolerance=tolerance, limit=limit)
+        if joined is not None:
+            return joined
         pieces, lasting = [], True
         for part in parts(stretch, author.domain, author.size):
-            piece = self._recalled(author, part, tolerance, limit)
+            piece = known.recall(part, tolerance=tolerance, limit=limit)
             if piece is None:
                 whole = self(author, part, tolerance=tolerance)
                 piece = thinned(whole, limit)
@@ -143,42 +145,18 @@ class RecentSamples:
                     lasting = False
                 else:
                     self._kept = [kept for kept in self._kept if kept[2] is not whole]
-                    self._remember(author, part, tolerance, limit, piece)
+                    known.remember(part, piece, tolerance=tolerance, limit=limit)
             pieces.append(piece)
         joined = join(pieces)
         if lasting and len(pieces) > 1:
-            self._remember(author, stretch, tolerance, limit, joined)
+            known.remember(stretch, joined, tolerance=tolerance, limit=limit)
         return joined
 
-    def _recalled(
-        self, author: Representation, stretch: Interval, tolerance: float, limit: float
-    ) -> SampledSplice | None:
-        whose, piece = self._thinned.get((*stretch, tolerance, limit), (None, None))
-        return piece if whose is author else None
-
-    def _remember(
-        self,
-        author: Representation,
-        stretch: Interval,
-        tolerance: float,
-        limit: float,
-        piece: SampledSplice,
-    ) -> None:
-        key = (*stretch, tolerance, limit)
-        self._thinned.pop(key, None)
-        self._thinned[key] = author, piece
-        if len(self._thinned) > KEPT_THINNED:
-            del self._thinned[next(iter(self._thinned))]
-
     def edited(self, before: Representation, edit: Edit[Representation]) -> None:
-        """Hear of an edit: beside it, what was thinned of the old value is that of the new one.
+        """Hear of an edit: beside it, what was thinned of the old value is that of the new one."""
+        known = self._thinned_of(before)
+        if known is not None:
+            self._thinned = [known.followed(edit), *self._thinned[: VERSIONS - 1]]
 
-        For thinned samples depend on nothing but their stretch, not on what follows at its ends.
-        """
-        for key, (author, piece) in list(self._thinned.items()):
-            if author is before:
-                start, stop = key[:2]
-                if any(a < stop and start < b for a, b in edit.splices):
-                    del self._thinned[key]
-                else:
-                    self._thinned[key] = edit.value, piece
+    def _thinned_of(self, author: Representation) -> ThinnedStretches | None:
+        return next((known for known in self._thinned if known.author is author), None)

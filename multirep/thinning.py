@@ -7,7 +7,9 @@ from itertools import pairwise
 
 import numpy as np
 
+from multirep.edit import Edit
 from multirep.interval import Interval
+from multirep.representation import Representation
 from multirep.sampled import SampledSplice
 from multirep.splines.simplification import simplified
 
@@ -21,6 +23,9 @@ SLIVER = 1 / 8
 #: Where the first mark is, in terms of a part: off any grid that vertices may lie on, for a corner
 #: at a mark would be inside of no part.
 OFFSET = 0.5 * (math.sqrt(5.0) - 1.0)
+#: How many stretches are remembered: more are looked through at each edit, fewer are soon thinned
+#: again where two places are edited in turns.
+KEPT = 64
 
 
 def thinned(sampled: SampledSplice, limit: float) -> SampledSplice:
@@ -84,3 +89,45 @@ def parts(stretch: Interval, domain: Interval, controls: int) -> list[Interval]:
         return [stretch]
     marks = [origin + k * width for k in range(first, last + 1)]
     return [Interval(*pair) for pair in pairwise([stretch.start, *marks, stretch.stop])]
+
+
+class ThinnedStretches:
+    """Thinned samples of an author, which are also those of its next version where it is the same.
+
+    They depend on nothing but their stretch, not on what follows at its ends.
+
+    Parameters
+    ----------
+    author : Representation
+    """
+
+    def __init__(self, author: Representation) -> None:
+        self.author = author
+        self._known: dict[tuple[float, float, float, float], SampledSplice] = {}
+
+    def recall(self, stretch: Interval, *, tolerance: float, limit: float) -> SampledSplice | None:
+        """Return what is known of a stretch."""
+        key = (stretch.start, stretch.stop, tolerance, limit)
+        piece = self._known.pop(key, None)
+        if piece is not None:
+            self._known[key] = piece  # now the last to be forgotten
+        return piece
+
+    def remember(
+        self, stretch: Interval, piece: SampledSplice, *, tolerance: float, limit: float
+    ) -> None:
+        """Keep the samples of a stretch; what was not asked for the longest time is forgotten."""
+        self._known[stretch.start, stretch.stop, tolerance, limit] = piece
+        if len(self._known) > KEPT:
+            del self._known[next(iter(self._known))]
+
+    def followed(self, edit: Edit[Representation]) -> ThinnedStretches:
+        """Return what is known of the author's next version: stretches on which it is the same."""
+        after = ThinnedStretches(edit.value)
+        changed = [(splice.start, splice.stop) for splice in edit.splices]
+        after._known = {
+            key: piece
+            for key, piece in self._known.items()
+            if all([key[1] <= start or stop <= key[0] for start, stop in changed])
+        }
+        return after

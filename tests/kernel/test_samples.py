@@ -12,7 +12,8 @@ from multirep.errors import PluginError
 from multirep.interval import Interval
 from multirep.representations import Nurbs, Polyline, WaveletBSpline
 from multirep.sampled import SampledSplice
-from multirep.samples import KEPT, KEPT_THINNED, LONGEST, RecentSamples, sample_author
+from multirep.samples import KEPT, LONGEST, VERSIONS, RecentSamples, sample_author
+from multirep.thinning import KEPT as KEPT_THINNED
 from multirep.thinning import MOST_PARTS, OFFSET, PART, SLIVER, parts
 
 
@@ -177,6 +178,7 @@ def test_beside_an_edit_nothing_is_thinned_again() -> None:
     edit = value.move_vertices(512, value.points[512:513] + 0.5)
     recent.edited(value, edit)
     assert recent(edit.value, beside, **ask) is not first
+    assert recent(value, beside, **ask) is first  # after an undo
 
 
 def test_thinned_samples_are_certified() -> None:
@@ -237,9 +239,13 @@ def test_only_few_thinned_samples_are_kept() -> None:
     value, recent = waves(1024), RecentSamples()
     for k in range(2 * KEPT_THINNED):
         recent(value, Interval(k / 1024, 0.5 + k / 1024), tolerance=1e-3, limit=1e-3)
-    assert len(recent._thinned) == KEPT_THINNED
+    for _ in range(2 * VERSIONS):
+        edit = value.move_vertices(1000, value.points[1000:] + 1.0)
+        recent.edited(value, edit)
+        value = edit.value
+    assert [len(known._known) <= KEPT_THINNED for known in recent._thinned] == [True] * VERSIONS
     recent.edited(value, value.move_vertices(0, value.points[:] + 1.0))
-    assert not recent._thinned
+    assert not recent._thinned[0]._known
 
 
 def test_samples_that_are_few_are_shared_whatever_may_be_left_out() -> None:
