@@ -287,6 +287,7 @@ METHOD(core_target);
 METHOD(core_between_common);
 METHOD(core_interpolate);
 METHOD(core_stretch);
+METHOD(core_join);
 METHOD(core_simplify);
 METHOD(core_common);
 METHOD(core_changed_spans);

@@ -29,6 +29,7 @@ static PyMethodDef methods[] = {
     ENTRY(between_common),
     ENTRY(interpolate),
     ENTRY(stretch),
+    ENTRY(join),
     ENTRY(simplify),
     ENTRY(common),
     ENTRY(changed_spans),

@@ -284,6 +284,77 @@ METHOD(core_course)
     return finish(&call, with_middles(&call, t, points, heights.at, kink));
 }
 
+/* A stretch of samples: its certificates chord by chord, or one for all. */
+typedef struct {
+    Table t, points, bounds;
+    double bound;
+} Piece;
+
+static Piece piece_of(Call *call, PyObject *given)
+{
+    Piece piece = {{NULL, 0, 0}, {NULL, 0, 0}, {NULL, 0, 0}, 0.0};
+    PyObject *t, *points, *bounds;
+    if (call->failed || !PyArg_ParseTuple(given, "OOOd", &t, &points, &bounds, &piece.bound)) {
+        call->failed = 1;
+        return piece;
+    }
+    piece.t = reals(call, t);
+    piece.points = reals(call, points);
+    piece.bounds = reals_or_none(call, bounds);
+    expect(call,
+           piece.t.rows >= 2 && piece.t.columns == 1 && piece.points.rows == piece.t.rows &&
+               (!piece.bounds.at || piece.bounds.rows == piece.t.rows - 1),
+           "each sample needs a point, each chord a bound");
+    return piece;
+}
+
+METHOD(core_join)
+{
+    /* A tuple of pieces (t (m,), points (m, d), bounds of chords (m - 1,) or None, bound of all), and
+    t, points and bounds of chords of the whole, which passes through the middle of each seam; half
+    the gap there is added to the bounds of both chords. Returns the largest bound. */
+    Call call;
+    begin(&call, count, 4);
+    if (call.failed)
+        return finish(&call, NULL);
+    Table t = output(&call, values[1]), points = output(&call, values[2]);
+    Table bounds = output(&call, values[3]);
+    Index d = points.columns, at = 0;
+    double largest = 0.0;
+    expect(&call, PyTuple_Check(values[0]) && PyTuple_Size(values[0]) > 0, "pieces are missing");
+    for (Index k = 0; !call.failed && k < PyTuple_Size(values[0]); k++) {
+        Piece piece = piece_of(&call, PyTuple_GetItem(values[0], k));
+        Index chords = piece.t.rows - 1;
+        expect(&call,
+               piece.points.columns == d && at + chords < t.rows && points.rows == t.rows &&
+                   bounds.rows == t.rows - 1,
+               "room for the whole is missing");
+        if (call.failed)
+            break;
+        for (Index i = 0; i < chords; i++)
+            bounds.at[at + i] = piece.bounds.at ? piece.bounds.at[i] : piece.bound;
+        double square = 0.0;
+        for (Index c = 0; k > 0 && c < d; c++) {
+            double *seam = points.at + at * d + c, off = *seam - piece.points.at[c];
+            square += off * off;
+            *seam = off == 0.0 ? *seam : 0.5 * (*seam + piece.points.at[c]);
+        }
+        if (square > 0.0) {
+            bounds.at[at - 1] += 0.5 * sqrt(square);
+            bounds.at[at] += 0.5 * sqrt(square);
+        }
+        Index skip = k > 0;
+        memcpy(t.at + at + skip, piece.t.at + skip, (size_t)(chords + 1 - skip) * sizeof(double));
+        memcpy(points.at + (at + skip) * d, piece.points.at + skip * d,
+               (size_t)((chords + 1 - skip) * d) * sizeof(double));
+        at += chords;
+    }
+    expect(&call, at + 1 == t.rows, "the pieces do not make the whole");
+    for (Index i = 0; !call.failed && i < at; i++)
+        largest = larger(largest, bounds.at[i]);
+    return finish(&call, call.failed ? NULL : PyFloat_FromDouble(largest));
+}
+
 METHOD(core_between_common)
 {
     /* t, points, t and points of another polyline; returns the stretches between common vertices

@@ -14,7 +14,7 @@ from time import perf_counter_ns
 from multirep.events import Event, Sampled
 from multirep.interval import Interval
 from multirep.representation import Representation
-from multirep.sampled import SampledSplice, chord_bounds, join
+from multirep.sampled import SampledSplice, join
 from multirep.samples import Sampler, sample_author
 from multirep.state import State
 
@@ -61,15 +61,18 @@ def compose(
     for stretch, name in state.authors.segments(interval):
         begin = perf_counter_ns()
         author = state.author_value(name)
-        piece = sample(author, stretch, tolerance=tolerance, limit=limit)
+        found = [sample(author, stretch, tolerance=tolerance, limit=limit)]
         if fixed[0] is not None and stretch.start == interval.start:
-            piece = _short_end(author, piece, tolerance, limit, fixed[0], sample, first=True)
+            found = _short_end(author, found[0], tolerance, limit, fixed[0], sample, first=True)
         if fixed[1] is not None and stretch.stop == interval.stop:
-            piece = _short_end(author, piece, tolerance, limit, fixed[1], sample, first=False)
-        pieces.append(piece)
+            last = _short_end(author, found[-1], tolerance, limit, fixed[1], sample, first=False)
+            found = [*found[:-1], *last]
+        pieces += found
         if emit is not None:
             elapsed = (perf_counter_ns() - begin) / 1000
-            emit(Sampled(name, stretch, len(piece.t), piece.bound, elapsed))
+            samples = sum([len(piece.t) - 1 for piece in found]) + 1
+            bound = max([piece.bound for piece in found])
+            emit(Sampled(name, stretch, samples, bound, elapsed))
     return join(pieces)
 
 
@@ -82,19 +85,22 @@ def _short_end(
     sample: Sampler,
     *,
     first: bool,
-) -> SampledSplice:
-    """Sample the chord at a fixed end finely if the gap there leaves no room for its sagitta."""
-    bounds = chord_bounds(piece)
+) -> list[SampledSplice]:
+    """Sample the chord at a fixed end finely if the gap there leaves no room for its sagitta.
+
+    Returns it and the rest, in their order, or the piece as it is.
+    """
     end = 0 if first else -1
-    if bounds[end] <= SHORT_FIRST_CHORDS * tolerance:
-        return piece
+    bound = piece.bound if piece.chord_bounds is None else piece.chord_bounds[end]
+    if bound <= SHORT_FIRST_CHORDS * tolerance:
+        return [piece]
     there = outside(float(piece.t[end]))
     if math.dist(there.tolist(), piece.points[end].tolist()) <= tolerance:
-        return piece
+        return [piece]
     chord = Interval(*(piece.t[:2] if first else piece.t[-2:]).tolist())
     share = SHORT_FIRST_CHORDS
     fine = sample(author, chord, tolerance=share * tolerance, limit=share * limit)
     if len(piece.t) == 2:
-        return fine
+        return [fine]
     chords = len(piece.t) - 1
-    return join([fine, piece.cut(1, chords)] if first else [piece.cut(0, chords - 1), fine])
+    return [fine, piece.cut(1, chords)] if first else [piece.cut(0, chords - 1), fine]

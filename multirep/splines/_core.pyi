@@ -204,6 +204,13 @@ def stretch(
     rows: Array | None,
     /,
 ) -> tuple[float, list[float]]: ...
+def join(
+    pieces: tuple[tuple[Array, Array, Array | None, float], ...],
+    t: Array,
+    points: Array,
+    bounds: Array,
+    /,
+) -> float: ...
 def simplify(
     t: Array, values: Array, targets: Array, allowed: Array, keep: IntArray, rounds: int, /
 ) -> bytearray: ...

@@ -37,7 +37,7 @@ from multirep.representations.wavelet.filters import (
 )
 from multirep.representations.wavelet.graded import Graded, clamped
 from multirep.representations.wavelet.target import Target
-from multirep.sampled import SampledSplice, interpolate
+from multirep.sampled import SampledSplice, interpolate, join
 from multirep.splines import compiled, evaluate, sampling
 from multirep.splines.arrays import Array
 from multirep.splines.basis import basis_functions, find_spans
@@ -536,6 +536,28 @@ def test_stretches_of_polylines_are_the_same(line: Line, seed: int, tolerance: f
     assert (fast.bound, fast.breaks) == (pure.bound, pure.breaks)
 
 
+@given(st.integers(2, 4), st.integers(1, 3), seeds)
+def test_pieces_are_joined_alike(count: int, d: int, seed: int) -> None:
+    """With a certificate for each chord or for all, with gaps at seams and without."""
+    rng = np.random.default_rng(seed)
+    pieces, start, end = [], 0.0, rng.random(d)
+    for _ in range(count):
+        m = int(rng.integers(2, 6))
+        t = start + np.arange(m) / 8
+        points = rng.random((m, d))
+        points[0] = end + rng.integers(0, 2) * rng.integers(-1, 2, d) / 64
+        start, end = t[-1], points[-1]
+        bounds = rng.random(m - 1) if rng.integers(0, 2) else None
+        breaks = (float(t[1]),) if rng.integers(0, 2) else ()
+        pieces.append(SampledSplice(t, points, 1.0, breaks, bounds))
+    fast, pure = both(lambda: join(pieces))
+    assert fast.chord_bounds is not None
+    assert same(fast.t, pure.t)
+    assert same(fast.points, pure.points)
+    assert same(fast.chord_bounds, pure.chord_bounds)
+    assert (fast.bound, fast.breaks) == (pure.bound, pure.breaks)
+
+
 @given(polylines(), st.integers(1, 8))
 def test_courses_and_targets_are_the_same(line: Line, eighths: int) -> None:
     """Heights of vertices, slopes of chords, corners and how near their knots must be."""
@@ -712,6 +734,10 @@ def test_what_does_not_fit_is_refused() -> None:
         call.stretch(knots, np.zeros((6, 2)), 0, 1, 0.0, 1.0, 1.0, EPS, None, None)
     with pytest.raises(ValueError, match="room for the stretch"):
         call.stretch(knots, np.zeros((6, 2)), 1, 2, 0.0, 1.0, 1.0, EPS, t, np.empty((3, 2)))
+    for given_, room in (((t, points[:1]), 1), ((knots, points), 4), ((knots[:3], points), 3)):
+        rows = np.empty(room + 1), np.empty((room + 1, 2)), np.empty(room)
+        with pytest.raises(ValueError, match=r"each sample needs|the whole"):
+            call.join(((*given_, None, 0.0),), *rows)
     with pytest.raises(ValueError, match="at most 64 rounds"):
         call.thin(knots + np.arange(6), np.zeros((6, 2)), None, 1.0, 65, 6, 0.97)
     with pytest.raises(ValueError, match="two vertices"):
