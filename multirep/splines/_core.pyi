@@ -212,8 +212,15 @@ def join(
     /,
 ) -> float: ...
 def simplify(
-    t: Array, values: Array, targets: Array, allowed: Array, keep: IntArray, rounds: int, /
-) -> bytearray: ...
+    t: Array,
+    values: Array,
+    targets: Array,
+    allowed: Array,
+    keep: IntArray,
+    unit: float,
+    rounds: int,
+    /,
+) -> tuple[bytearray, float]: ...
 def course(
     t: Array, points: Array, allowance: Array, kink: float, heights: Array, /
 ) -> tuple[bytearray, bytearray] | None: ...

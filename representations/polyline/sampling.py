@@ -9,7 +9,6 @@ import numpy as np
 from multirep.arrays import Array
 from multirep.blocks import BlockArray
 from multirep.interval import Interval
-from multirep.representations.polyline.splicing import UNIT
 from multirep.sampled import SampledSplice
 from multirep.splines import compiled
 
@@ -17,6 +16,8 @@ from multirep.splines import compiled
 #: for eight (the fit gets seven of them): larger leaves kinks to the fit that it can only follow
 #: with many knots, smaller gives a smooth curve corners where it needs none.
 HIDDEN = 4.0
+#: Half an ulp, relative.
+UNIT = 2.0**-53
 
 
 def sample_stretch(
