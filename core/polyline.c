@@ -1,4 +1,4 @@
-/* Polylines: points at parameters, kinks, samples that a straight line replaces. */
+/* Polylines: points at parameters, stretches of them, kinks, pieces joined. */
 #include "core.h"
 
 #include <math.h>
@@ -143,106 +143,6 @@ METHOD(core_stretch)
         return finish(&call, NULL);
     PyObject *rounding = PyFloat_FromDouble(bound);
     return finish(&call, pair_of(&call, rounding, kinks_of(&call, t, points, limit, start, stop)));
-}
-
-/* How far the chord between two samples is from one between them, squared. */
-static inline double off_chord(const Table *t, const Table *vertices, const Table *targets, Index left,
-                               Index right, Index at)
-{
-    Index d = vertices->columns;
-    const double *first = vertices->at + left * d, *last = vertices->at + right * d;
-    double u = (t->at[at] - t->at[left]) / (t->at[right] - t->at[left]), square = 0.0;
-    for (Index c = 0; c < d; c++) {
-        double off = first[c] + u * (last[c] - first[c]) - targets->at[at * d + c];
-        square += off * off;
-    }
-    return square;
-}
-
-/* Whether the chord between two samples is within the allowance of every sample between. */
-static int replaces(const Table *t, const Table *vertices, const Table *targets,
-                    const double *squares, Index left, Index right)
-{
-    for (Index at = left + 1; at < right; at++)
-        if (!(off_chord(t, vertices, targets, left, right, at) <= squares[at]))
-            return 0;
-    return 1;
-}
-
-METHOD(core_simplify)
-{
-    /* t, vertices to choose from, samples to follow, what is allowed on each chord, samples that must
-    stay (their indices), what rounding takes of the largest coordinate, rounds; returns the indices
-    of the chosen samples, as bytes, and how far the others are at most. Of each run of neighbours
-    that can go every other one does, round by round. */
-    Call call;
-    begin(&call, count, 7);
-    if (call.failed)
-        return finish(&call, NULL);
-    Table t = reals(&call, values[0]), vertices = reals(&call, values[1]);
-    Table targets = reals(&call, values[2]), allowed = reals(&call, values[3]);
-    Places keep = places(&call, values[4]);
-    double unit = real(&call, values[5]), largest = 0.0;
-    Index rounds = integer(&call, values[6]), m = t.rows, d = vertices.columns, chosen = m;
-    expect(&call,
-           m >= 2 && vertices.rows == m && targets.rows == m && allowed.rows == m - 1 &&
-               d == targets.columns,
-           "each sample needs a vertex and a target, each chord an allowance");
-    enum { REFUSED, UNTESTED, HELD };
-    double *squares = scratch(&call, m);
-    Index *kept = index_scratch(&call, m), *state = index_scratch(&call, m);
-    for (Index i = 0; !call.failed && i < m * d; i++)
-        largest = larger(largest, fabs(vertices.at[i]));
-    double rounding = unit * largest * sqrt((double)d);
-    for (Index i = 0; !call.failed && i < m; i++) {
-        kept[i] = i;
-        state[i] = UNTESTED;
-        if (i > 0 && i + 1 < m) {
-            double room = smaller(allowed.at[i - 1], allowed.at[i]) - rounding;
-            squares[i] = room > 0 ? room * room : -1.0;
-        }
-    }
-    for (Index i = 0; !call.failed && i < keep.rows; i++) {
-        expect(&call, keep.at[i] >= 0 && keep.at[i] < m, "a sample is out of bounds");
-        if (!call.failed)
-            state[keep.at[i]] = HELD;
-    }
-    if (call.failed)
-        return finish(&call, NULL);
-    state[0] = state[m - 1] = HELD;
-    for (int changed = 1; changed && rounds > 0; rounds--) {
-        Index written = 0, last_tested = 0;
-        int removed_before = 0; /* whether the kept sample before this one goes */
-        changed = 0;
-        for (Index i = 0; i < chosen; i++) {
-            Index here = kept[i];
-            int goes = 0;
-            if (state[here] == UNTESTED) {
-                Index left = removed_before ? last_tested : kept[written - 1];
-                int fits = replaces(&t, &vertices, &targets, squares, left, kept[i + 1]);
-                if (!fits)
-                    state[here] = REFUSED;
-                goes = fits && !removed_before;
-            }
-            if (removed_before && state[here] == REFUSED)
-                state[here] = UNTESTED; /* with another neighbour it may go next */
-            last_tested = here;
-            if (goes) {
-                changed = 1;
-                if (state[kept[written - 1]] == REFUSED)
-                    state[kept[written - 1]] = UNTESTED;
-            } else
-                kept[written++] = here;
-            removed_before = goes;
-        }
-        chosen = written;
-    }
-    double worst = 0.0;
-    for (Index k = 0; k + 1 < chosen; k++)
-        for (Index at = kept[k] + 1; at < kept[k + 1]; at++)
-            worst = larger(worst, off_chord(&t, &vertices, &targets, kept[k], kept[k + 1], at));
-    PyObject *deviation = PyFloat_FromDouble(chosen < m ? sqrt(worst) + rounding : 0.0);
-    return finish(&call, pair_of(&call, bytes_of(kept, chosen * (Index)sizeof(Index)), deviation));
 }
 
 /* The polyline with the middles of the chords beside kinks as vertices, unless rounding puts them on
