@@ -68,7 +68,7 @@ def follow(
         gap = max(gap, _gap(sampled, stop, chords, tolerance, -1))
     corners = np.isin(t, sampled.breaks).nonzero()[0] if sampled.breaks else _NOTHING
     kept, off = simplify(t, values, targets, chords, corners)
-    if len(kept) == 2 and bool((values[0] == values[-1]).all()):
+    if len(kept) == 2 < len(t) and bool((values[0] == values[-1]).all()):
         # one more vertex where only two equal ones would be left
         far = int(np.abs(values - values[0]).max(axis=1).argmax())
         kept = np.unique(np.append(kept, far))
