@@ -90,14 +90,20 @@ class RecentSamples:
         """Return what was sampled before as far as it goes, and sample the rest."""
         if limit:
             return self._sampled_thinly(author, stretch, tolerance, limit)
-        near = [old for whose, within, old in self._kept if whose is author and within == tolerance]
+        near = self._near(author, tolerance)
         for old in near:
             if old.interval == stretch:
                 return old
         piece = self._continued(near, author, stretch, tolerance)
+        self._keep(author, tolerance, piece)
+        return piece
+
+    def _near(self, author: Representation, tolerance: float) -> list[SampledSplice]:
+        return [old for whose, within, old in self._kept if whose is author and within == tolerance]
+
+    def _keep(self, author: Representation, tolerance: float, piece: SampledSplice) -> None:
         if len(piece.t) <= LONGEST:
             self._kept = [(author, tolerance, piece), *self._kept[: KEPT - 1]]
-        return piece
 
     @staticmethod
     def _continued(
@@ -135,17 +141,20 @@ class RecentSamples:
         joined = known.recall(stretch, tolerance=tolerance, limit=limit)
         if joined is not None:
             return joined
+        near = self._near(author, tolerance)
         pieces, lasting = [], True
         for part in parts(stretch, author.domain, author.size):
             piece = known.recall(part, tolerance=tolerance, limit=limit)
             if piece is None:
-                whole = self(author, part, tolerance=tolerance)
+                whole = next((old for old in near if old.interval == part), None)
+                if whole is None:
+                    whole = sample_author(author, part, tolerance=tolerance)
                 piece = thinned(whole, limit)
-                if piece is whole:
-                    lasting = False
-                else:
-                    self._kept = [kept for kept in self._kept if kept[2] is not whole]
+                if piece is not whole:
                     known.remember(part, piece, tolerance=tolerance, limit=limit)
+                else:  # as few as need be: for others, too
+                    self._keep(author, tolerance, piece)
+                    lasting = False
             pieces.append(piece)
         joined = join(pieces)
         if lasting and len(pieces) > 1:

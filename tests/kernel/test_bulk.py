@@ -16,6 +16,7 @@ from multirep.events import Event, Fitting, Sampled
 from multirep.representation import Representation
 from multirep.representations import Nurbs, Polyline, WaveletBSpline
 from multirep.sampled import SampledSplice
+from multirep.samples import RecentSamples
 from multirep.thinning import PART, thinned
 
 FOLLOWERS = [Nurbs, WaveletBSpline]
@@ -190,6 +191,21 @@ def test_samples_chosen_for_a_tolerance_are_left_alone(
     assert thinned(sampled, TOLERANCE / 4) is sampled
 
 
+def drag(curve: mr.MultiRepresentation, kind: type[Representation], k: int) -> None:
+    """Move something to and fro, and look at everything."""
+    value = curve.view(kind)
+    if isinstance(value, Nurbs):
+        control = int(value.knots.searchsorted(0.37)) - 2
+        at = value.points[control]
+        edit: Any = value.move_control_point(control, at + TOLERANCE * (-1) ** k)
+    else:
+        assert isinstance(value, WaveletBSpline)
+        edit = value.sweep(0.37, value(0.37) + TOLERANCE * (-1) ** k, 6)
+    curve.commit(kind, edit)
+    for each in KINDS:
+        curve.view(each)
+
+
 @pytest.mark.parametrize("kind", FOLLOWERS)
 def test_dense_vertices_beside_a_drag_are_read_once(
     kind: type[Representation], monkeypatch: pytest.MonkeyPatch
@@ -203,27 +219,31 @@ def test_dense_vertices_beside_a_drag_are_read_once(
         rows.append(len(sampled.t))
         return sampled
 
-    def drag(k: int) -> None:
-        value = curve.view(kind)
-        if isinstance(value, Nurbs):
-            control = int(value.knots.searchsorted(0.37)) - 2
-            at = value.points[control]
-            edit: Any = value.move_control_point(control, at + TOLERANCE * (-1) ** k)
-        else:
-            assert isinstance(value, WaveletBSpline)
-            edit = value.sweep(0.37, value(0.37) + TOLERANCE * (-1) ** k, 6)
-        curve.commit(kind, edit)
-        for each in KINDS:
-            curve.view(each)
-
     curve = mr.MultiRepresentation.from_points(wavy(1024 * LONG), tolerance=TOLERANCE, kinds=KINDS)
     for each in KINDS:
         curve.view(each)
     monkeypatch.setattr(Polyline, "sample", counted)
-    drag(0)
+    drag(curve, kind, 0)
     assert sum(rows) > 4 * PART
     rows.clear()
     for k in range(1, 9):
-        drag(k)
+        drag(curve, kind, k)
     assert len(rows) <= 2 * 8
     assert max(rows, default=0) <= 2 * PART
+
+
+@pytest.mark.parametrize("kind", FOLLOWERS)
+def test_what_was_thinned_before_does_not_show(kind: type[Representation]) -> None:
+    """The same bits come out of a drag when all is thinned anew at each step."""
+    one, two = (
+        mr.MultiRepresentation.from_points(wavy(256 * LONG), tolerance=TOLERANCE, kinds=KINDS)
+        for _ in range(2)
+    )
+    for k in range(6):
+        two._sample = RecentSamples()
+        for curve in (one, two):
+            drag(curve, kind, k)
+        for each in KINDS:
+            mine, theirs = one.view(each), two.view(each)
+            assert not mine.changes(theirs)
+            assert np.asarray(mine.points).tobytes() == np.asarray(theirs.points).tobytes()  # type: ignore[attr-defined]
