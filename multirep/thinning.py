@@ -23,9 +23,11 @@ SLIVER = 1 / 8
 #: Where the first mark is, in terms of a part: off any grid that vertices may lie on, for a corner
 #: at a mark would be inside of no part.
 OFFSET = 0.5 * (math.sqrt(5.0) - 1.0)
-#: How many stretches are remembered: more are looked through at each edit, fewer are soon thinned
-#: again where two places are edited in turns.
+#: How many stretches are remembered, and how many samples in all: more stretches are looked through
+#: at each edit, more samples count in memory, fewer are soon thinned again where two places are
+#: edited in turns.
 KEPT = 64
+KEPT_SAMPLES = 2**14
 
 
 def thinned(sampled: SampledSplice, limit: float) -> SampledSplice:
@@ -104,6 +106,7 @@ class ThinnedStretches:
     def __init__(self, author: Representation) -> None:
         self.author = author
         self._known: dict[tuple[float, float, float, float], SampledSplice] = {}
+        self._samples = 0
 
     def recall(self, stretch: Interval, *, tolerance: float, limit: float) -> SampledSplice | None:
         """Return what is known of a stretch."""
@@ -118,8 +121,9 @@ class ThinnedStretches:
     ) -> None:
         """Keep the samples of a stretch; what was not asked for the longest time is forgotten."""
         self._known[stretch.start, stretch.stop, tolerance, limit] = piece
-        if len(self._known) > KEPT:
-            del self._known[next(iter(self._known))]
+        self._samples += len(piece.t)
+        while len(self._known) > KEPT or self._samples > KEPT_SAMPLES:
+            self._samples -= len(self._known.pop(next(iter(self._known))).t)
 
     def followed(self, edit: Edit[Representation]) -> ThinnedStretches:
         """Return what is known of the author's next version: stretches on which it is the same."""
@@ -130,4 +134,5 @@ class ThinnedStretches:
             for key, piece in self._known.items()
             if all([key[1] <= start or stop <= key[0] for start, stop in changed])
         }
+        after._samples = sum([len(piece.t) for piece in after._known.values()])
         return after

@@ -14,7 +14,7 @@ from multirep.representations import Nurbs, Polyline, WaveletBSpline
 from multirep.sampled import SampledSplice
 from multirep.samples import KEPT, LONGEST, VERSIONS, RecentSamples, sample_author
 from multirep.thinning import KEPT as KEPT_THINNED
-from multirep.thinning import MOST_PARTS, OFFSET, PART, SLIVER, parts
+from multirep.thinning import KEPT_SAMPLES, MOST_PARTS, OFFSET, PART, SLIVER, parts
 
 
 class Counting(Polyline):
@@ -246,6 +246,22 @@ def test_only_few_thinned_samples_are_kept() -> None:
     assert [len(known._known) <= KEPT_THINNED for known in recent._thinned] == [True] * VERSIONS
     recent.edited(value, value.move_vertices(0, value.points[:] + 1.0))
     assert not recent._thinned[0]._known
+
+
+def test_thinned_samples_that_are_many_are_not_kept() -> None:
+    """Where hardly anything can be left out, only as many as a small piece of memory holds."""
+    t = np.linspace(0, 1, 4 * KEPT_SAMPLES)
+    rough = Polyline(t, np.stack([t, np.arange(len(t)) % 8 // 4], axis=1))
+    recent = RecentSamples()
+    for k in range(16):
+        piece = recent(rough, Interval(k / 16, (k + 1) / 16), tolerance=1e-3, limit=1e-3)
+        assert KEPT_SAMPLES / 16 < len(piece.t) < KEPT_SAMPLES / 2
+        [known] = recent._thinned
+        assert known._samples == sum(len(piece.t) for piece in known._known.values())
+        assert 0 < known._samples <= KEPT_SAMPLES
+    before = known._samples
+    recent.edited(rough, rough.move_vertices(0, rough.points[:4] + 1.0))
+    assert 0 < recent._thinned[0]._samples <= before
 
 
 def test_samples_that_are_few_are_shared_whatever_may_be_left_out() -> None:
