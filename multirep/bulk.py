@@ -65,9 +65,17 @@ def composed_in_pieces(
         Its ``bound`` certifies the distance from the authors.
     """
     controls = controls_on(state, interval)
+    if controls <= PIECE:
+        return compose(
+            state,
+            interval,
+            tolerance=tolerance,
+            limit=limit if controls > LONG else 0.0,
+            fixed=fixed,
+            emit=emit,
+            sample=sample,
+        )
     count = -(-controls // PIECE)
-    if controls <= LONG:
-        return compose(state, interval, tolerance=tolerance, fixed=fixed, emit=emit, sample=sample)
     ends = np.linspace(interval.start, interval.stop, count + 1).tolist()
     pieces: list[SampledSplice] = []
     for k in range(count):
@@ -81,8 +89,7 @@ def composed_in_pieces(
             sample=sample,
         )
         pieces.append(piece)
-        if count > 1:
-            emit(Fitting(kind, k + 1, count + 1))
+        emit(Fitting(kind, k + 1, count + 1))
     return join(pieces)
 
 

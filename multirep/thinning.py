@@ -127,12 +127,12 @@ class ThinnedStretches:
 
     def followed(self, edit: Edit[Representation]) -> ThinnedStretches:
         """Return what is known of the author's next version: stretches on which it is the same."""
-        after = ThinnedStretches(edit.value)
-        changed = [(splice.start, splice.stop) for splice in edit.splices]
-        after._known = {
-            key: piece
-            for key, piece in self._known.items()
-            if all([key[1] <= start or stop <= key[0] for start, stop in changed])
-        }
-        after._samples = sum([len(piece.t) for piece in after._known.values()])
+        after, known = ThinnedStretches(edit.value), self._known.copy()
+        for splice in edit.splices:
+            start, stop = splice.start, splice.stop
+            known = {
+                key: piece for key, piece in known.items() if key[1] <= start or stop <= key[0]
+            }
+        after._known = known
+        after._samples = sum([len(piece.t) for piece in known.values()])
         return after
