@@ -1,4 +1,4 @@
-/* Polylines: points at parameters, kinks, samples that a straight line replaces. */
+/* Polylines: points at parameters, stretches of them, kinks, pieces joined. */
 #include "core.h"
 
 #include <math.h>
@@ -59,25 +59,28 @@ METHOD(core_interpolate)
     return finish(&call, Py_NewRef(Py_None));
 }
 
-METHOD(core_kinks)
+/* The parameters of inner vertices at which the jump of the slope times the shorter segment exceeds a
+limit. */
+static PyObject *kinks_of(Call *call, Table t, Table points, double limit, double from, double to)
 {
-    /* t (m,), points (m, d), a limit; returns the parameters of inner vertices at which the jump of
-    the slope times the shorter segment exceeds it */
-    Call call;
-    begin(&call, count, 3);
-    if (call.failed)
-        return finish(&call, NULL);
-    Table t = reals(&call, values[0]), points = reals(&call, values[1]);
-    double limit = real(&call, values[2]);
-    Index d = points.columns;
-    expect(&call, points.rows == t.rows && t.columns == 1, "each vertex needs a parameter");
-    double *kinks = scratch(&call, t.rows);
-    Index found = 0;
-    for (Index i = 1; !call.failed && i + 1 < t.rows; i++) {
-        double before = t.at[i] - t.at[i - 1], after = t.at[i + 1] - t.at[i], square = 0.0;
+    Index d = points.columns, found = 0;
+    double *kinks = scratch(call, t.rows);
+    /* Of two segments that are no longer than half the limit nothing shows: most of a dense polyline. */
+    double short_square = 0.2499 * limit * limit;
+    int short_before = 0;
+    for (Index i = 1; !call->failed && i + 1 < t.rows; i++) {
+        const double *here = points.at + i * d;
+        double square = 0.0;
+        for (Index c = 0; c < d; c++)
+            square += (here[c + d] - here[c]) * (here[c + d] - here[c]);
+        int short_after = square < short_square, hidden = short_before && short_after;
+        short_before = short_after;
+        if (hidden || t.at[i] < from || t.at[i] > to)
+            continue;
+        double before = t.at[i] - t.at[i - 1], after = t.at[i + 1] - t.at[i];
         /* without dividing by a length alone: slopes of tiny segments overflow */
         double shorter = smaller(after, before);
-        const double *here = points.at + i * d;
+        square = 0.0;
         for (Index c = 0; c < d; c++) {
             double jump = (here[c + d] - here[c]) * (shorter / after) -
                           (here[c] - here[c - d]) * (shorter / before);
@@ -86,89 +89,60 @@ METHOD(core_kinks)
         if (sqrt(square) > limit)
             kinks[found++] = t.at[i];
     }
-    return finish(&call, numbers(&call, kinks, found));
+    return numbers(call, kinks, found);
 }
 
-/* Whether the chord between two samples is within the allowance of every sample between. */
-static int replaces(const Table *t, const Table *vertices, const Table *targets,
-                    const double *squares, Index left, Index right)
+/* The point at a parameter of segment k; returns how far rounding may have moved it. */
+static double cut_at(const Table *t, const Table *points, Index k, double at, double unit, double *point)
 {
-    Index d = vertices->columns;
-    const double *first = vertices->at + left * d, *last = vertices->at + right * d;
-    double start = t->at[left], length = t->at[right] - start;
-    for (Index at = left + 1; at < right; at++) {
-        double u = (t->at[at] - start) / length, square = 0.0;
-        for (Index c = 0; c < d; c++) {
-            double off = first[c] + u * (last[c] - first[c]) - targets->at[at * d + c];
-            square += off * off;
-        }
-        if (!(square <= squares[at]))
-            return 0;
+    Index d = points->columns;
+    const double *low = points->at + k * d, *high = low + d;
+    double u = (at - t->at[k]) / (t->at[k + 1] - t->at[k]), square = 0.0;
+    for (Index c = 0; c < d; c++) {
+        point[c] = u == 1.0 ? high[c] : low[c] + u * (high[c] - low[c]);
+        double rounding = 5 * fabs(high[c] - low[c]) + fabs(point[c]);
+        square += rounding * rounding;
     }
-    return 1;
+    return t->at[k] == at || t->at[k + 1] == at ? 0.0 : unit * sqrt(square);
 }
 
-METHOD(core_simplify)
+METHOD(core_stretch)
 {
-    /* t, vertices to choose from, samples to follow, what is allowed at each, samples that must
-    stay (their indices), rounds; returns the indices of the chosen samples, as bytes. Of each run
-    of neighbours that can go every other one does, round by round. */
+    /* t (m,), points (m, d), the first vertex inside a stretch and the first behind those, its ends, a
+    limit of kinks, the roundoff unit, the stretch's t and points or None; returns a bound of the
+    rounding at the ends, and the parameters of kinks in the stretch beyond the limit */
     Call call;
-    begin(&call, count, 6);
+    begin(&call, count, 10);
     if (call.failed)
         return finish(&call, NULL);
-    Table t = reals(&call, values[0]), vertices = reals(&call, values[1]);
-    Table targets = reals(&call, values[2]), allowed = reals(&call, values[3]);
-    Places keep = places(&call, values[4]);
-    Index rounds = integer(&call, values[5]), m = t.rows, chosen = m;
+    Table t = reals(&call, values[0]), points = reals(&call, values[1]);
+    Index first = integer(&call, values[2]), last = integer(&call, values[3]), d = points.columns;
+    double start = real(&call, values[4]), stop = real(&call, values[5]);
+    double limit = real(&call, values[6]), unit = real(&call, values[7]), bound = 0.0;
     expect(&call,
-           m >= 2 && vertices.rows == m && targets.rows == m && allowed.rows == m &&
-               vertices.columns == targets.columns,
-           "each sample needs a vertex, a target and an allowance");
-    enum { REFUSED, UNTESTED, HELD };
-    double *squares = scratch(&call, m);
-    Index *kept = index_scratch(&call, m), *state = index_scratch(&call, m);
-    for (Index i = 0; !call.failed && i < m; i++) {
-        kept[i] = i;
-        state[i] = UNTESTED;
-        squares[i] = allowed.at[i] > 0 ? allowed.at[i] * allowed.at[i] : -1.0;
-    }
-    for (Index i = 0; !call.failed && i < keep.rows; i++) {
-        expect(&call, keep.at[i] >= 0 && keep.at[i] < m, "a sample is out of bounds");
-        if (!call.failed)
-            state[keep.at[i]] = HELD;
+           points.rows == t.rows && t.columns == 1 && 1 <= first && first <= last && last < t.rows,
+           "a stretch lies between two vertices");
+    if (!call.failed && values[8] != Py_None) {
+        Table new_t = output(&call, values[8]), rows = output(&call, values[9]);
+        Index inside = last - first;
+        expect(&call,
+               new_t.rows == inside + 2 && rows.rows == inside + 2 && rows.columns == d &&
+                   new_t.columns == 1,
+               "room for the stretch is missing");
+        if (call.failed)
+            return finish(&call, NULL);
+        memcpy(new_t.at + 1, t.at + first, (size_t)inside * sizeof(double));
+        memcpy(rows.at + d, points.at + first * d, (size_t)(inside * d) * sizeof(double));
+        new_t.at[0] = start;
+        new_t.at[inside + 1] = stop;
+        double at_start = cut_at(&t, &points, first - 1, start, unit, rows.at);
+        double at_stop = cut_at(&t, &points, last - 1, stop, unit, rows.at + (inside + 1) * d);
+        bound = larger(at_start, at_stop);
     }
     if (call.failed)
         return finish(&call, NULL);
-    state[0] = state[m - 1] = HELD;
-    for (int changed = 1; changed && rounds > 0; rounds--) {
-        Index written = 0, last_tested = 0;
-        int removed_before = 0; /* whether the kept sample before this one goes */
-        changed = 0;
-        for (Index i = 0; i < chosen; i++) {
-            Index here = kept[i];
-            int goes = 0;
-            if (state[here] == UNTESTED) {
-                Index left = removed_before ? last_tested : kept[written - 1];
-                int fits = replaces(&t, &vertices, &targets, squares, left, kept[i + 1]);
-                if (!fits)
-                    state[here] = REFUSED;
-                goes = fits && !removed_before;
-            }
-            if (removed_before && state[here] == REFUSED)
-                state[here] = UNTESTED; /* with another neighbour it may go next */
-            last_tested = here;
-            if (goes) {
-                changed = 1;
-                if (state[kept[written - 1]] == REFUSED)
-                    state[kept[written - 1]] = UNTESTED;
-            } else
-                kept[written++] = here;
-            removed_before = goes;
-        }
-        chosen = written;
-    }
-    return finish(&call, bytes_of(kept, chosen * (Index)sizeof(Index)));
+    PyObject *rounding = PyFloat_FromDouble(bound);
+    return finish(&call, pair_of(&call, rounding, kinks_of(&call, t, points, limit, start, stop)));
 }
 
 /* The polyline with the middles of the chords beside kinks as vertices, unless rounding puts them on
@@ -234,6 +208,77 @@ METHOD(core_course)
     if (!call.failed)
         finer = kinked ? with_middles(&call, t, points, heights.at, kink) : Py_NewRef(Py_None);
     return finish(&call, finer ? Py_BuildValue("dddN", least, most, largest, finer) : NULL);
+}
+
+/* A stretch of samples: its certificates chord by chord, or one for all. */
+typedef struct {
+    Table t, points, bounds;
+    double bound;
+} Piece;
+
+static Piece piece_of(Call *call, PyObject *given)
+{
+    Piece piece = {{NULL, 0, 0}, {NULL, 0, 0}, {NULL, 0, 0}, 0.0};
+    PyObject *t, *points, *bounds;
+    if (call->failed || !PyArg_ParseTuple(given, "OOOd", &t, &points, &bounds, &piece.bound)) {
+        call->failed = 1;
+        return piece;
+    }
+    piece.t = reals(call, t);
+    piece.points = reals(call, points);
+    piece.bounds = reals_or_none(call, bounds);
+    expect(call,
+           piece.t.rows >= 2 && piece.t.columns == 1 && piece.points.rows == piece.t.rows &&
+               (!piece.bounds.at || piece.bounds.rows == piece.t.rows - 1),
+           "each sample needs a point, each chord a bound");
+    return piece;
+}
+
+METHOD(core_join)
+{
+    /* A tuple of pieces (t (m,), points (m, d), bounds of chords (m - 1,) or None, bound of all), and
+    t, points and bounds of chords of the whole, which passes through the middle of each seam; half
+    the gap there is added to the bounds of both chords. Returns the largest bound. */
+    Call call;
+    begin(&call, count, 4);
+    if (call.failed)
+        return finish(&call, NULL);
+    Table t = output(&call, values[1]), points = output(&call, values[2]);
+    Table bounds = output(&call, values[3]);
+    Index d = points.columns, at = 0;
+    double largest = 0.0;
+    expect(&call, PyTuple_Check(values[0]) && PyTuple_Size(values[0]) > 0, "pieces are missing");
+    for (Index k = 0; !call.failed && k < PyTuple_Size(values[0]); k++) {
+        Piece piece = piece_of(&call, PyTuple_GetItem(values[0], k));
+        Index chords = piece.t.rows - 1;
+        expect(&call,
+               piece.points.columns == d && at + chords < t.rows && points.rows == t.rows &&
+                   bounds.rows == t.rows - 1,
+               "room for the whole is missing");
+        if (call.failed)
+            break;
+        for (Index i = 0; i < chords; i++)
+            bounds.at[at + i] = piece.bounds.at ? piece.bounds.at[i] : piece.bound;
+        double square = 0.0;
+        for (Index c = 0; k > 0 && c < d; c++) {
+            double *seam = points.at + at * d + c, off = *seam - piece.points.at[c];
+            square += off * off;
+            *seam = off == 0.0 ? *seam : 0.5 * (*seam + piece.points.at[c]);
+        }
+        if (square > 0.0) {
+            bounds.at[at - 1] += 0.5 * sqrt(square);
+            bounds.at[at] += 0.5 * sqrt(square);
+        }
+        Index skip = k > 0;
+        memcpy(t.at + at + skip, piece.t.at + skip, (size_t)(chords + 1 - skip) * sizeof(double));
+        memcpy(points.at + (at + skip) * d, piece.points.at + skip * d,
+               (size_t)((chords + 1 - skip) * d) * sizeof(double));
+        at += chords;
+    }
+    expect(&call, at + 1 == t.rows, "the pieces do not make the whole");
+    for (Index i = 0; !call.failed && i < at; i++)
+        largest = larger(largest, bounds.at[i]);
+    return finish(&call, call.failed ? NULL : PyFloat_FromDouble(largest));
 }
 
 METHOD(core_between_common)

@@ -17,9 +17,8 @@ from multirep.composition import compose
 from multirep.events import Event, Fitting
 from multirep.interval import Interval
 from multirep.representation import Representation
-from multirep.sampled import SampledSplice, chord_bounds, join
+from multirep.sampled import SampledSplice, join
 from multirep.samples import Sampler, sample_author
-from multirep.splines import simplified
 from multirep.state import State
 
 #: Stretches of more stored controls than this are thinned. Shorter ones are followed as they are:
@@ -66,9 +65,17 @@ def composed_in_pieces(
         Its ``bound`` certifies the distance from the authors.
     """
     controls = controls_on(state, interval)
+    if controls <= PIECE:
+        return compose(
+            state,
+            interval,
+            tolerance=tolerance,
+            limit=limit if controls > LONG else 0.0,
+            fixed=fixed,
+            emit=emit,
+            sample=sample,
+        )
     count = -(-controls // PIECE)
-    if controls <= LONG:
-        return compose(state, interval, tolerance=tolerance, fixed=fixed, emit=emit, sample=sample)
     ends = np.linspace(interval.start, interval.stop, count + 1).tolist()
     pieces: list[SampledSplice] = []
     for k in range(count):
@@ -76,14 +83,13 @@ def composed_in_pieces(
             state,
             Interval(*ends[k : k + 2]),
             tolerance=tolerance,
+            limit=limit,
             fixed=(fixed[0] if k == 0 else None, fixed[1] if k == count - 1 else None),
             emit=emit,
             sample=sample,
         )
-        whole = (k == 0 and fixed[0] is not None, k == count - 1 and fixed[1] is not None)
-        pieces.append(_thinned_inside(piece, limit, whole))
-        if count > 1:
-            emit(Fitting(kind, k + 1, count + 1))
+        pieces.append(piece)
+        emit(Fitting(kind, k + 1, count + 1))
     return join(pieces)
 
 
@@ -92,37 +98,3 @@ def controls_on(state: State, interval: Interval) -> int:
     stretches = state.authors.segments(interval)
     controls = sum([state.author_value(name).size * stretch.length for stretch, name in stretches])
     return math.ceil(controls / state.authors.domain.length)
-
-
-def _thinned_inside(
-    sampled: SampledSplice, limit: float, whole: tuple[bool, bool]
-) -> SampledSplice:
-    """Thin all but the chords at fixed ends: the gap there may need all that is allowed.
-
-    Samples that were chosen for a tolerance are as few as need be, and are left as they are.
-    """
-    first, last = int(whole[0]), len(sampled.t) - 1 - int(whole[1])
-    if last - first < 2 or float(chord_bounds(sampled).mean()) > limit:
-        return sampled
-    pieces = [_thinned(sampled.cut(first, last), limit)]
-    if first:
-        pieces.insert(0, sampled.cut(0, first))
-    if last < len(sampled.t) - 1:
-        pieces.append(sampled.cut(last, len(sampled.t) - 1))
-    return join(pieces)
-
-
-def _thinned(sampled: SampledSplice, limit: float) -> SampledSplice:
-    """Leave out vertices of a polyline as far as a limit lets it; the certificate says so."""
-    t, bounds = sampled.t, chord_bounds(sampled)
-    kept, deviation = simplified(t, sampled.points, np.full(len(bounds), limit))
-    bounds = np.maximum.reduceat(bounds, kept[:-1]) + deviation
-    t = t[kept]
-    breaks = set(sampled.breaks).intersection(t.tolist())
-    return SampledSplice(
-        t,
-        sampled.points[kept],
-        bound=float(bounds.max()),
-        breaks=tuple(sorted(breaks)),
-        chord_bounds=bounds,
-    )

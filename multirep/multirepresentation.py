@@ -245,6 +245,7 @@ class MultiRepresentation:
         check_tolerance(edit.value, tolerance=self.tolerance)
         state = self._state.with_held(name, Held(edit.value, held.stale))
         self._state = evolve_stale(state, name, edit.splices)
+        self._sample.edited(held.value, edit)
         self._emit(Committed(name, edit.splices))
 
     def reparameterize(self, mapping: ParameterMap = "even") -> SpliceList:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from itertools import pairwise
 
 import attrs
@@ -12,6 +11,9 @@ from multirep.arrays import Array, ArrayLike, frozen_array
 from multirep.errors import InvalidCurveError
 from multirep.interval import Interval
 from multirep.splines import compiled
+
+#: So many pieces are joined in one call: as many as there are in a splice with both ends.
+FEW = 4
 
 
 def _optional_array(values: ArrayLike | None) -> Array | None:
@@ -151,22 +153,33 @@ def join(pieces: list[SampledSplice]) -> SampledSplice:
     """
     if len(pieces) == 1:
         return pieces[0]
-    points = np.concatenate([pieces[0].points, *(piece.points[1:] for piece in pieces[1:])])
-    bounds = np.concatenate([chord_bounds(piece) for piece in pieces])
+    chords = sum([len(piece.t) - 1 for piece in pieces])
+    t, points = np.empty(chords + 1), np.empty((chords + 1, pieces[0].points.shape[1]))
+    bounds = np.empty(chords)
+    if compiled.active and len(pieces) <= FEW:
+        given = tuple([(part.t, part.points, part.chord_bounds, part.bound) for part in pieces])
+        bound = compiled.core.join(given, t, points, bounds)
+    else:
+        bound = _filled(pieces, t, points, bounds)
+    breaks = {t for piece in pieces if piece.breaks for t in piece.breaks}
+    return SampledSplice.unchecked(t, points, bound, tuple(sorted(breaks)), bounds)
+
+
+def _filled(pieces: list[SampledSplice], t: Array, points: Array, bounds: Array) -> float:
+    """Put pieces together in arrays with room for them; return the largest bound."""
+    np.concatenate([pieces[0].t, *[piece.t[1:] for piece in pieces[1:]]], out=t)
+    np.concatenate([pieces[0].points, *[piece.points[1:] for piece in pieces[1:]]], out=points)
+    np.concatenate([chord_bounds(piece) for piece in pieces], out=bounds)
     seam = 0
     for before, after in pairwise(pieces):
         seam += len(before.t) - 1
-        left, right = before.points[-1].tolist(), after.points[0].tolist()
-        if left != right:
-            points[seam] = [0.5 * (a + b) for a, b in zip(left, right, strict=True)]
-            bounds[seam - 1 : seam + 1] += 0.5 * math.dist(left, right)
-    return SampledSplice.unchecked(
-        np.concatenate([pieces[0].t, *(piece.t[1:] for piece in pieces[1:])]),
-        points,
-        bound=float(bounds.max()),
-        breaks=tuple(sorted({t for piece in pieces for t in piece.breaks})),
-        chord_bounds=bounds,
-    )
+        left, right = before.points[-1], after.points[0]
+        if (left != right).any():
+            points[seam] = 0.5 * (left + right)
+            bounds[seam - 1 : seam + 1] += 0.5 * np.sqrt(
+                np.einsum("i,i", left - right, left - right)
+            )
+    return float(bounds.max())
 
 
 def chord_bounds(sampled: SampledSplice) -> Array:

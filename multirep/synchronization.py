@@ -29,7 +29,7 @@ from multirep.events import Begun, Event, Fitted
 from multirep.interval import Interval
 from multirep.representation import Representation
 from multirep.sampled import SampledSplice
-from multirep.samples import Sampler, sample_author
+from multirep.samples import RecentSamples, Sampler
 from multirep.splices import SpliceList
 from multirep.state import Held, State
 from multirep.windows import Window, crude, faded, windows, worthwhile
@@ -66,7 +66,7 @@ def bring_up_to_date(
     kind: type[Representation],
     where: SpliceList,
     emit: Callable[[Event], None],
-    sample: Sampler = sample_author,
+    sample: RecentSamples | None = None,
 ) -> State:
     """Return the state in which ``kind`` follows the authors on ``where``.
 
@@ -80,6 +80,7 @@ def bring_up_to_date(
     PluginError, UnreportedChangeError
         When a representation breaks its contract.
     """
+    sample = sample or RecentSamples()
     heard: list[Exception] = []
 
     def told(event: Event) -> None:
@@ -199,7 +200,7 @@ def _splice_in(
     held: Held,
     job: Window,
     emit: Callable[[Event], None],
-    sample: Sampler,
+    sample: RecentSamples,
 ) -> Held:
     """Bring one window up to date, reaching out as far as it takes."""
     value = held.value
@@ -245,6 +246,7 @@ def _splice_in(
             continue
         check_edit(value, edit, kind.name)
         _check_frozen(state, edit, kind.name)
+        sample.edited(value, edit)
         elapsed = (perf_counter_ns() - begin) / 1000
         emit(Fitted(kind.name, target, edit.splices, edit.value.size, edit.bound, elapsed))
         return Held(edit.value, held.stale - SpliceList([job.refreshed(target)]))

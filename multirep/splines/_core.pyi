@@ -191,10 +191,36 @@ def halves(starts: Array, stops: Array, middles: Array, /) -> None: ...
 def interpolate(
     t: Array | Rope, points: Array | Rope, at: Array | float, found: Array, /
 ) -> None: ...
-def kinks(t: Array, points: Array, limit: float, /) -> list[float]: ...
+def stretch(
+    t: Array,
+    points: Array,
+    first: int,
+    last: int,
+    start: float,
+    stop: float,
+    limit: float,
+    unit: float,
+    new_t: Array | None,
+    rows: Array | None,
+    /,
+) -> tuple[float, list[float]]: ...
+def join(
+    pieces: tuple[tuple[Array, Array, Array | None, float], ...],
+    t: Array,
+    points: Array,
+    bounds: Array,
+    /,
+) -> float: ...
 def simplify(
-    t: Array, values: Array, targets: Array, allowed: Array, keep: IntArray, rounds: int, /
-) -> bytearray: ...
+    t: Array,
+    values: Array,
+    targets: Array,
+    allowed: Array,
+    keep: IntArray,
+    unit: float,
+    rounds: int,
+    /,
+) -> tuple[bytearray, float]: ...
 def breakpoints(
     knots: Array,
     start: float,
@@ -241,16 +267,16 @@ def plus(
     points: Array,
     /,
 ) -> None: ...
-def spread(t: Array, points: Array, limits: Array, /) -> bytearray: ...
-def farthest(
+def thin(
     t: Array,
     points: Array,
     limits: Array | None,
-    kept: IntArray,
-    largest: Array,
-    worst: IntArray,
+    limit: float,
+    rounds: int,
+    merges: int,
+    going_on: float,
     /,
-) -> None: ...
+) -> tuple[bytearray, bytearray]: ...
 def insert_knot(
     degree: int,
     t: float,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import numpy.typing as npt
 
 from multirep.splines import compiled
 from multirep.splines.arrays import Array, IntArray
@@ -11,11 +12,12 @@ __all__ = ["simplified"]
 
 #: At most so many rounds of cutting groups that deviate; what still does is kept vertex by vertex.
 ROUNDS = 40
-#: Rounds of merging neighbouring groups.
+#: Rounds of merging neighbouring groups, the last one when it leaves more than such a part.
 MERGES = 6
+GOING_ON = 0.97
 
 
-def simplified(t: Array, points: Array, limit: Array) -> tuple[IntArray, Array]:
+def simplified(t: Array, points: Array, limit: Array | float) -> tuple[IntArray, Array]:
     """Choose vertices so that the polyline through them stays within limits of the given one.
 
     Parameters
@@ -23,7 +25,7 @@ def simplified(t: Array, points: Array, limit: Array) -> tuple[IntArray, Array]:
     t : (m + 1,) array
         Strictly increasing.
     points : (m + 1, d) array
-    limit : (m,) array
+    limit : (m,) array or float
         Positive: how far the new polyline may be off on each chord.
 
     Returns
@@ -37,41 +39,41 @@ def simplified(t: Array, points: Array, limit: Array) -> tuple[IntArray, Array]:
     Notes
     -----
     Curvature decides where vertices are laid out at first; groups that deviate are cut at their
-    worst vertex, neighbours that fit on one chord are merged. A few passes over all vertices each.
+    worst vertex, neighbours that fit on one chord are merged. A few passes over all vertices.
 
     Examples
     --------
     >>> import numpy as np
     >>> t = np.linspace(0, 1, 9)
     >>> line = np.stack([t, np.abs(t - 0.5)], axis=1)
-    >>> kept, deviation = simplified(t, line, np.full(8, 1e-6))
+    >>> kept, deviation = simplified(t, line, 1e-6)
     >>> kept.tolist(), bool((deviation < 1e-14).all())
     ([0, 4, 8], True)
     """
+    if compiled.active:
+        limits, same = (None, limit) if isinstance(limit, float) else (limit, 0.0)
+        found = compiled.core.thin(t, points, limits, same, ROUNDS, MERGES, GOING_ON)
+        return np.frombuffer(found[0], dtype=np.intp), np.frombuffer(found[1])
+    at_vertices = limit if isinstance(limit, float) else np.minimum(limit[1:], limit[:-1])
     count = len(t)
-    vertex_limit = np.minimum(limit[1:], limit[:-1])
-    kept = _laid_out(t, points, vertex_limit)
+    kept = _laid_out(t, points, at_vertices)
     for _ in range(ROUNDS):
-        deviation, worst = _farthest(t, points, vertex_limit, kept)
-        bad = np.flatnonzero(deviation > 1.0)
-        if not len(bad):
+        beyond, worst = _beyond(t, points, at_vertices, kept)
+        if not beyond.any():
             break
-        kept = np.union1d(kept, worst[bad])
+        kept = np.union1d(kept, worst[beyond])
     else:
         kept = np.arange(count)
     for side in range(MERGES):
-        merged = _merged(t, points, vertex_limit, kept, side % 2)
-        if len(merged) > 0.97 * len(kept):
-            kept = merged
+        before = len(kept)
+        kept = _merged(t, points, at_vertices, kept, side % 2)
+        if len(kept) > GOING_ON * before:
             break
-        kept = merged
     return kept, _absolute(t, points, kept)
 
 
-def _laid_out(t: Array, points: Array, limit: Array) -> IntArray:
+def _laid_out(t: Array, points: Array, limit: Array | float) -> IntArray:
     """Spread vertices so that each chord has about the allowed sagitta."""
-    if compiled.active:
-        return np.frombuffer(compiled.core.spread(t, points, limit), dtype=np.intp)
     steps = np.diff(t)
     slopes = np.diff(points, axis=0) / steps[:, None]
     kinks = np.diff(slopes, axis=0)
@@ -84,31 +86,34 @@ def _laid_out(t: Array, points: Array, limit: Array) -> IntArray:
     return np.concatenate(([0], inner, [len(t) - 1]))
 
 
-def _farthest(
-    t: Array, points: Array, limit: Array | None, kept: IntArray
-) -> tuple[Array, IntArray]:
-    """Largest distance of a vertex from the chord of its group, over its limit, and that vertex."""
-    if compiled.active:
-        largest, worst = np.empty(len(kept) - 1), np.empty(len(kept) - 1, dtype=np.intp)
-        t, points = np.ascontiguousarray(t), np.ascontiguousarray(points)
-        compiled.core.farthest(t, points, limit, kept, largest, worst)
-        return largest, worst
+def _off(t: Array, points: Array, kept: IntArray) -> Array:
+    """Squared distance at equal parameter of each vertex from the chord of its group."""
     sizes = np.diff(kept)
     group = np.arange(len(sizes)).repeat(sizes)
     start, stop = t[kept[:-1]], t[kept[1:]]
     slope = (points[kept[1:]] - points[kept[:-1]]) / (stop - start)[:, None]
     off = points[:-1] - points[kept[:-1]][group]
     off -= (t[:-1] - start[group])[:, None] * slope[group]
-    far = np.sqrt(np.einsum("md,md->m", off, off))
-    if limit is not None:
-        far[1:] /= limit
-    far[kept[:-1]] = 0.0
+    squares: Array = np.einsum("md,md->m", off, off)
+    squares[kept[:-1]] = 0.0
+    return squares
+
+
+def _beyond(
+    t: Array, points: Array, limit: Array | float, kept: IntArray
+) -> tuple[npt.NDArray[np.bool_], IntArray]:
+    """Whether a vertex of each group is beyond its limit, and the one that is most beyond it."""
+    far, most = _off(t, points, kept), 1.0
+    if isinstance(limit, float):
+        most = limit * limit
+    else:
+        far[1:] /= limit * limit
     largest = np.maximum.reduceat(far, kept[:-1])
-    hits = np.flatnonzero(far == largest.repeat(sizes))
-    return largest, hits[hits.searchsorted(kept[:-1])]
+    hits = np.flatnonzero(far == largest.repeat(np.diff(kept)))
+    return largest > most, hits[hits.searchsorted(kept[:-1])]
 
 
-def _merged(t: Array, points: Array, limit: Array, kept: IntArray, side: int) -> IntArray:
+def _merged(t: Array, points: Array, limit: Array | float, kept: IntArray, side: int) -> IntArray:
     """Merge groups 2i + side and 2i + 1 + side where one chord serves both."""
     dropped = np.arange(1 + side, len(kept) - 1, 2)
     if not len(dropped):
@@ -116,14 +121,14 @@ def _merged(t: Array, points: Array, limit: Array, kept: IntArray, side: int) ->
     mask = np.ones(len(kept), dtype=bool)
     mask[dropped] = False
     coarse = kept[mask]
-    largest, _ = _farthest(t, points, limit, coarse)
+    beyond, _ = _beyond(t, points, limit, coarse)
     # Vertex kept[j] (j dropped) lies in the coarse group that starts at kept[j - 1].
     group = coarse.searchsorted(kept[dropped], "right") - 1
-    mask[dropped[largest[group] > 1.0]] = True
+    mask[dropped[beyond[group]]] = True
     return kept[mask]
 
 
 def _absolute(t: Array, points: Array, kept: IntArray) -> Array:
-    largest, _ = _farthest(t, points, None, kept)
+    largest = np.sqrt(np.maximum.reduceat(_off(t, points, kept), kept[:-1]))
     slack = 16 * np.finfo(np.float64).eps * np.sqrt(points.shape[1]) * float(np.abs(points).max())
     return np.asarray(np.where(np.diff(kept) > 1, largest + slack, 0.0))

@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
+import math
 from typing import TypeAlias
 
 import numpy as np
 import numpy.typing as npt
 
 from multirep.arrays import Array, Indices
+from multirep.sampled import interpolate
 from multirep.splines import compiled
 
 Mask: TypeAlias = npt.NDArray[np.bool_]
 
+#: Evaluating a deviation rounds: at most 8 half ulps of the largest coordinate in each of d
+#: coordinates.
+ROUNDING = 8 * 2.0**-53
 #: Rounds of merging. Each halves the number of vertices on a straight stretch, so that 64 are never
 #: needed; the limit keeps the cost linear whatever the input is.
 ROUNDS = 64
@@ -20,13 +25,15 @@ ROUNDS = 64
 FEW = 256
 
 
-def simplify(t: Array, values: Array, targets: Array, allowed: Array, keep: Mask) -> Indices:
+def simplify(
+    t: Array, values: Array, targets: Array, allowed: Array, keep: Indices
+) -> tuple[Indices, float]:
     """Choose as few vertices as it can find for a polyline that follows samples.
 
     The polyline through the chosen ``values`` differs from the polyline through all ``targets`` by
     a piecewise linear function with corners at ``t`` only. Its norm is convex on each chord, so
-    ``allowed`` at the samples is a certificate for all t, and for the parametric distance, which is
-    what counts here.
+    what is allowed at the samples is a certificate for all t, and for the parametric distance,
+    which is what counts here.
 
     Neighbouring chords are merged in rounds, as many pairs at a time as do not touch each other.
 
@@ -38,30 +45,50 @@ def simplify(t: Array, values: Array, targets: Array, allowed: Array, keep: Mask
         The vertices to choose from; the first and the last are always taken.
     targets : (m, d) array
         The samples; they equal ``values`` but for pinned ends.
-    allowed : (m,) array
-        Largest distance at each sample, rounding included.
-    keep : (m,) bool array
+    allowed : (m - 1,) array
+        Largest distance on each chord.
+    keep : (j,) array of int
         Samples that must stay, corners for instance.
 
     Returns
     -------
-    (k,) array of int
+    kept : (k,) array of int
         Indices of the chosen samples, in order. Cost: O(m) a round; two or three rounds on curved
         stretches.
+    deviation : float
+        Proved: how far the new polyline is from the samples at most, but for pinned ends.
 
     Examples
     --------
     >>> t = np.linspace(0, 1, 9)
     >>> line = np.stack([t, np.abs(t - 0.5)], axis=1)
-    >>> simplify(t, line, line, np.full(9, 1e-6), np.zeros(9, bool))
-    array([0, 4, 8])
+    >>> kept, deviation = simplify(t, line, line, np.full(8, 1e-6), np.empty(0, dtype=np.intp))
+    >>> kept, deviation < 1e-14
+    (array([0, 4, 8]), True)
     """
     if compiled.active:
-        stay = np.flatnonzero(keep)
-        indices = compiled.core.simplify(t, values, targets, allowed, stay, ROUNDS)
-        return np.frombuffer(indices, dtype=np.intp)
+        found = compiled.core.simplify(t, values, targets, allowed, keep, ROUNDING, ROUNDS)
+        return np.frombuffer(found[0], dtype=np.intp), found[1]
+    at_samples = np.zeros(len(t))
+    at_samples[1:-1] = np.minimum(allowed[1:], allowed[:-1]) - _rounding(values)
+    kept = _kept(t, values, targets, at_samples, keep)
+    return kept, deviation(t, values, targets, kept) if len(kept) < len(t) else 0.0
+
+
+def deviation(t: Array, values: Array, targets: Array, kept: Indices) -> float:
+    """Return how far the polyline through some values is from the inner samples at most, proved."""
+    off = interpolate(t[kept], values[kept], t[1:-1]) - targets[1:-1]
+    return float(np.sqrt(np.einsum("ij,ij->i", off, off).max())) + _rounding(values)
+
+
+def _rounding(values: Array) -> float:
+    return ROUNDING * float(np.abs(values).max()) * math.sqrt(values.shape[1])
+
+
+def _kept(t: Array, values: Array, targets: Array, allowed: Array, keep: Indices) -> Indices:
     kept: Indices = np.arange(len(t))
-    free = ~keep
+    free = np.ones(len(t), dtype=bool)
+    free[keep] = False
     free[0] = free[-1] = False
     # one table, so that a test gathers three times and not eight
     table = np.concatenate([t[:, None], values, targets], axis=1)

@@ -14,13 +14,12 @@ import math
 import attrs
 import numpy as np
 
-from multirep.arrays import Array, Indices
+from multirep.arrays import Array
 from multirep.errors import ToleranceError
-from multirep.representations.polyline.simplification import simplify
-from multirep.sampled import SampledSplice, interpolate
+from multirep.representations.polyline.simplification import deviation, simplify
+from multirep.sampled import SampledSplice
 
-#: Half an ulp, relative.
-UNIT = 2.0**-53
+_NOTHING = np.empty(0, dtype=np.intp)
 
 
 @attrs.frozen(eq=False)
@@ -67,22 +66,16 @@ def follow(
         gap = _gap(sampled, start, chords, tolerance, 0)
     if stop is not None:
         gap = max(gap, _gap(sampled, stop, chords, tolerance, -1))
-    # evaluating the deviation rounds: at most 8 units of the largest coordinate in each of d
-    # coordinates
-    largest = max(float(values.max()), -float(values.min()))
-    rounding = 8 * UNIT * largest * math.sqrt(values.shape[1])
-    allowed = np.empty(len(t))
-    allowed[1:-1] = np.minimum(chords[1:], chords[:-1]) - rounding
-    allowed[0], allowed[-1] = chords[0], chords[-1]
-    keep = np.isin(t, sampled.breaks) if sampled.breaks else np.zeros(len(t), dtype=bool)
-    kept = simplify(t, values, targets, allowed, keep)
-    kept = _distinct(kept, values)
+    corners = np.isin(t, sampled.breaks).nonzero()[0] if sampled.breaks else _NOTHING
+    kept, off = simplify(t, values, targets, chords, corners)
+    if len(kept) == 2 < len(t) and bool((values[0] == values[-1]).all()):
+        # one more vertex where only two equal ones would be left
+        far = int(np.abs(values - values[0]).max(axis=1).argmax())
+        kept = np.unique(np.append(kept, far))
+        off = deviation(t, values, targets, kept)
     if len(kept) == len(t):
         return Follower(t, values, gap)
-    rows = values[kept]
-    off = interpolate(t[kept], rows, t[1:-1]) - targets[1:-1]
-    worst = float(np.sqrt(np.einsum("ij,ij->i", off, off).max())) + rounding
-    return Follower(t[kept], rows, max(gap, worst))
+    return Follower(t[kept], values[kept], max(gap, off))
 
 
 def _gap(sampled: SampledSplice, pinned: Array, chords: Array, tolerance: float, end: int) -> float:
@@ -99,11 +92,3 @@ def _gap(sampled: SampledSplice, pinned: Array, chords: Array, tolerance: float,
             where=where,
         )
     return gap
-
-
-def _distinct(kept: Indices, values: Array) -> Indices:
-    """Keep one more vertex where only two equal ones would be left."""
-    if len(kept) > 2 or (values[kept[0]] != values[kept[-1]]).any():
-        return kept
-    far = int(np.abs(values - values[0]).max(axis=1).argmax())
-    return kept if far in kept else np.insert(kept, 1, far)

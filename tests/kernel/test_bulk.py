@@ -10,11 +10,14 @@ import pytest
 
 import multirep as mr
 from multirep.arrays import Array
-from multirep.bulk import LONG, PIECE, _thinned_inside, composed_in_pieces
+from multirep.bulk import LONG, PIECE, composed_in_pieces
+from multirep.composition import SHORT_FIRST_CHORDS
 from multirep.events import Event, Fitting, Sampled
 from multirep.representation import Representation
 from multirep.representations import Nurbs, Polyline, WaveletBSpline
 from multirep.sampled import SampledSplice
+from multirep.samples import RecentSamples
+from multirep.thinning import PART, thinned
 
 FOLLOWERS = [Nurbs, WaveletBSpline]
 KINDS: list[type[Representation]] = [Polyline, *FOLLOWERS]
@@ -105,25 +108,30 @@ def test_thinned_pieces_are_certified(curve: mr.MultiRepresentation) -> None:
     assert sampled.bound == sampled.chord_bounds.max() <= limit * (1 + 1e-9)
 
 
-def test_fixed_ends_keep_their_chords(curve: mr.MultiRepresentation) -> None:
-    """Where a splice must meet what it may not change, no vertex is left out."""
+def test_chords_at_fixed_ends_leave_the_gap_its_room(curve: mr.MultiRepresentation) -> None:
+    """Where a splice must meet what stands apart, next to nothing is left out."""
     state, polyline = curve.snapshot(), curve.view(Polyline)
     inside = mr.Interval(float(polyline.t[5]), float(polyline.t[polyline.size - 7]))
-    for fixed in ((polyline, None), (None, polyline), (polyline, polyline)):
+    limit = TOLERANCE / 64
+    apart = Polyline(np.asarray(polyline.t), polyline.points + np.array([2 * limit, 0.0]))
+    short = SHORT_FIRST_CHORDS * 2 * limit
+    sizes = []
+    for fixed in ((None, None), (polyline, polyline), (apart, None), (None, apart), (apart, apart)):
         sampled = composed_in_pieces(
             state,
             inside,
             "nurbs",
-            tolerance=TOLERANCE / 64,
-            limit=TOLERANCE / 64,
+            tolerance=limit,
+            limit=limit,
             fixed=fixed,
             emit=lambda _: None,
         )
+        assert sampled.interval == inside
         assert sampled.chord_bounds is not None
-        assert (sampled.t[1] == polyline.t[6]) == (fixed[0] is not None)
-        assert (sampled.t[-2] == polyline.t[polyline.size - 8]) == (fixed[1] is not None)
         for end, at in zip(fixed, (0, -1), strict=True):
-            assert end is None or sampled.chord_bounds[at] <= 1e-15
+            assert (sampled.chord_bounds[at] <= short) == (end is apart)
+        sizes.append(len(sampled.t))
+    assert max(sizes) <= min(sizes) + 64
 
 
 @pytest.mark.parametrize("kind", FOLLOWERS)
@@ -179,5 +187,63 @@ def test_samples_chosen_for_a_tolerance_are_left_alone(
 ) -> None:
     """Those of a spline are as few as need be: nobody looks for some to leave out."""
     sampled = curve.view(Nurbs).sample(curve.domain, tolerance=TOLERANCE)
-    monkeypatch.setattr("multirep.bulk.simplified", None)
-    assert _thinned_inside(sampled, TOLERANCE / 4, (False, False)) is sampled
+    monkeypatch.setattr("multirep.thinning.simplified", None)
+    assert thinned(sampled, TOLERANCE / 4) is sampled
+
+
+def drag(curve: mr.MultiRepresentation, kind: type[Representation], k: int) -> None:
+    """Move something to and fro, and look at everything."""
+    value = curve.view(kind)
+    if isinstance(value, Nurbs):
+        control = int(value.knots.searchsorted(0.37)) - 2
+        at = value.points[control]
+        edit: Any = value.move_control_point(control, at + TOLERANCE * (-1) ** k)
+    else:
+        assert isinstance(value, WaveletBSpline)
+        edit = value.sweep(0.37, value(0.37) + TOLERANCE * (-1) ** k, 6)
+    curve.commit(kind, edit)
+    for each in KINDS:
+        curve.view(each)
+
+
+@pytest.mark.parametrize("kind", FOLLOWERS)
+def test_dense_vertices_beside_a_drag_are_read_once(
+    kind: type[Representation], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """While a place is dragged, a follower samples no more of the polyline than its ends move."""
+    rows: list[int] = []
+    sample = Polyline.sample
+
+    def counted(self: Polyline, interval: mr.Interval, *, tolerance: float) -> SampledSplice:
+        sampled = sample(self, interval, tolerance=tolerance)
+        rows.append(len(sampled.t))
+        return sampled
+
+    curve = mr.MultiRepresentation.from_points(wavy(1024 * LONG), tolerance=TOLERANCE, kinds=KINDS)
+    for each in KINDS:
+        curve.view(each)
+    monkeypatch.setattr(Polyline, "sample", counted)
+    drag(curve, kind, 0)
+    assert sum(rows) > 4 * PART
+    rows.clear()
+    for k in range(1, 9):
+        drag(curve, kind, k)
+    assert len(rows) <= 2 * 8
+    assert max(rows, default=0) <= 2 * PART
+
+
+@pytest.mark.parametrize("kind", FOLLOWERS)
+def test_what_was_thinned_before_does_not_show(kind: type[Representation]) -> None:
+    """The same bits come out of a drag when all is thinned anew at each step."""
+    one, two = (
+        mr.MultiRepresentation.from_points(wavy(256 * LONG), tolerance=TOLERANCE, kinds=KINDS)
+        for _ in range(2)
+    )
+    for k in range(6):
+        two._sample = RecentSamples()
+        for curve in (one, two):
+            drag(curve, kind, k)
+        for each in KINDS:
+            mine, theirs = one.view(each), two.view(each)
+            assert not mine.changes(theirs)
+            assert np.asarray(mine.points).tobytes() == np.asarray(theirs.points).tobytes()  # type: ignore[attr-defined]

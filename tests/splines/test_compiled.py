@@ -24,7 +24,7 @@ from multirep.representations.nurbs.fitting import Breakpoints
 from multirep.representations.nurbs.problem import KINK_HEIGHT, Course, Problem
 from multirep.representations.nurbs.refinement import window_breakpoints
 from multirep.representations.polyline.differences import _between_common
-from multirep.representations.polyline.sampling import _corners
+from multirep.representations.polyline.sampling import sample_stretch
 from multirep.representations.polyline.simplification import simplify
 from multirep.representations.wavelet import attempt, prediction, splicing
 from multirep.representations.wavelet.analysis import analyse
@@ -38,7 +38,7 @@ from multirep.representations.wavelet.filters import (
 )
 from multirep.representations.wavelet.graded import Graded, clamped
 from multirep.representations.wavelet.target import Target
-from multirep.sampled import SampledSplice, interpolate
+from multirep.sampled import SampledSplice, interpolate, join
 from multirep.splines import compiled, evaluate, sampling
 from multirep.splines.arrays import Array
 from multirep.splines.basis import basis_functions, find_spans
@@ -514,16 +514,49 @@ def polylines(draw: st.DrawFn) -> Line:
 
 @given(polylines(), seeds)
 def test_polylines_are_looked_at_alike(line: Line, seed: int) -> None:
-    """Points at parameters in any order, at vertices and beyond the ends; kinks."""
+    """Points at parameters in any order, at vertices and beyond the ends."""
     rng = np.random.default_rng(seed)
     at = np.concatenate((line.t, rng.uniform(line.t[0] - 1, line.t[-1] + 1, 30)))
     rng.shuffle(at)
     for parameters_ in (at, at.reshape(2, -1) if len(at) % 2 == 0 else at, at[0]):
         fast, pure = both(lambda at=parameters_: interpolate(*line, at))
         assert same(fast, pure)
-    for tolerance in (0.0, 1e-9, 1e-2):
-        fast, pure = both(lambda tolerance=tolerance: _corners(*line, tolerance))
-        assert same(fast, pure)
+
+
+@given(polylines(), seeds, st.sampled_from([0.0, 1e-9, 1e-3, 1e-2]))
+def test_stretches_of_polylines_are_the_same(line: Line, seed: int, tolerance: float) -> None:
+    """From and to a vertex or a place between two: samples, rounding, corners."""
+    rng = np.random.default_rng(seed)
+    places = np.concatenate((line.t, rng.uniform(line.t[0], line.t[-1], len(line.t))))
+    stretch = Interval(*np.sort(rng.choice(places, 2, replace=False)).tolist())
+    assume(stretch.length > 0)
+    t, points = map(BlockArray.of, line)
+    fast, pure = both(lambda: sample_stretch(t, points, stretch, tolerance))
+    assert same(fast.t, pure.t)
+    assert same(fast.points, pure.points)
+    assert (fast.bound, fast.breaks) == (pure.bound, pure.breaks)
+
+
+@given(st.integers(2, 4), st.integers(1, 3), seeds)
+def test_pieces_are_joined_alike(count: int, d: int, seed: int) -> None:
+    """With a certificate for each chord or for all, with gaps at seams and without."""
+    rng = np.random.default_rng(seed)
+    pieces, start, end = [], 0.0, rng.random(d)
+    for _ in range(count):
+        m = int(rng.integers(2, 6))
+        t = start + np.arange(m) / 8
+        points = rng.random((m, d))
+        points[0] = end + rng.integers(0, 2) * rng.integers(-1, 2, d) / 64
+        start, end = t[-1], points[-1]
+        bounds = rng.random(m - 1) if rng.integers(0, 2) else None
+        breaks = (float(t[1]),) if rng.integers(0, 2) else ()
+        pieces.append(SampledSplice(t, points, 1.0, breaks, bounds))
+    fast, pure = both(lambda: join(pieces))
+    assert fast.chord_bounds is not None
+    assert same(fast.t, pure.t)
+    assert same(fast.points, pure.points)
+    assert same(fast.chord_bounds, pure.chord_bounds)
+    assert (fast.bound, fast.breaks) == (pure.bound, pure.breaks)
 
 
 @given(polylines(), st.integers(1, 8))
@@ -680,21 +713,22 @@ def test_the_same_samples_are_dropped(line: Line, seed: int, allowed: float) -> 
     """Round by round, with samples that must stay and ends that are pinned elsewhere."""
     rng = np.random.default_rng(seed)
     count = len(line.t)
-    limits = allowed * rng.integers(0, 3, count)
-    keep = rng.random(count) < 0.1
+    limits = allowed * rng.integers(0, 3, count - 1)
+    keep = (rng.random(count) < 0.1).nonzero()[0]
     moved = line.points.copy()
     moved[[0, -1]] += 0.05
     fast, pure = both(lambda: simplify(line.t, moved, line.points, limits, keep))
-    assert same(fast, pure)
+    assert same(fast[0], pure[0])
+    assert fast[1] == pure[1]
 
 
 # -- the border between Python and C ---------------------------------------------------------------
 
 
-@given(polylines(), st.sampled_from([1e-9, 1e-3, 0.1, 1.0]))
-def test_the_same_vertices_are_kept(line: Line, limit: float) -> None:
+@given(polylines(), st.sampled_from([1e-9, 1e-3, 0.1, 1.0]), st.booleans())
+def test_the_same_vertices_are_kept(line: Line, limit: float, even: bool) -> None:
     """Thinning keeps the same vertices and knows the same deviations."""
-    limits = limit * (1 + np.arange(len(line.t) - 1) % 3)
+    limits = limit if even else limit * (1 + np.arange(len(line.t) - 1) % 3)
     fast, pure = both(lambda: simplified(line.t, line.points, limits))
     assert same(fast[0], pure[0])
     assert same(fast[1], pure[1])
@@ -717,12 +751,18 @@ def test_what_does_not_fit_is_refused() -> None:
         call.common(points, knots)
     with pytest.raises(ValueError, match="n \\+ p \\+ 1 knots"):
         call.sample(knots, points[:2], 2, False, 0.0, 1.0, 1.0)
-    for kept, message in (([0, 2], "last vertex"), ([0, 3, 2, 5], "increase"), ([5], "a place")):
-        chords = np.empty(len(kept) - 1), np.empty(len(kept) - 1, dtype=np.intp)
-        with pytest.raises(ValueError, match=message):
-            call.farthest(knots + np.arange(6), np.zeros((6, 2)), None, np.array(kept), *chords)
-    with pytest.raises(ValueError, match="each inner one a limit"):
-        call.spread(knots, np.zeros((6, 2)), knots)
+    with pytest.raises(ValueError, match="each chord a limit"):
+        call.thin(knots + np.arange(6), np.zeros((6, 2)), np.ones(4), 0.0, 40, 6, 0.97)
+    with pytest.raises(ValueError, match="between two vertices"):
+        call.stretch(knots, np.zeros((6, 2)), 0, 1, 0.0, 1.0, 1.0, EPS, None, None)
+    with pytest.raises(ValueError, match="room for the stretch"):
+        call.stretch(knots, np.zeros((6, 2)), 1, 2, 0.0, 1.0, 1.0, EPS, t, np.empty((3, 2)))
+    for given_, room in (((t, points[:1]), 1), ((knots, points), 4), ((knots[:3], points), 3)):
+        rows = np.empty(room + 1), np.empty((room + 1, 2)), np.empty(room)
+        with pytest.raises(ValueError, match=r"each sample needs|the whole"):
+            call.join(((*given_, None, 0.0),), *rows)
+    with pytest.raises(ValueError, match="at most 64 rounds"):
+        call.thin(knots + np.arange(6), np.zeros((6, 2)), None, 1.0, 65, 6, 0.97)
     with pytest.raises(ValueError, match="two vertices"):
         call.polyline_rows(knots, 2, t, points[:1], 3, np.empty(9), points, t)
     with pytest.raises(ValueError, match="become 2 m \\+ 3"):
