@@ -113,7 +113,7 @@ def _begun(
 ) -> Held | None:
     """Return a crude value, stale everywhere; None when all of T had better be fitted."""
     domain = state.authors.domain
-    everywhere = SpliceList([domain])
+    everywhere = SpliceList.of(domain)
     delta = hop(state.tolerance)
     asked = list(windows(everywhere, where, domain))
     if any(worthwhile(state, window, delta=delta).fresh == domain for window in asked):
@@ -138,7 +138,7 @@ def _jobs(state: State, name: str, where: SpliceList) -> Iterator[Window]:
         if job is not None and job.is_near(window):
             gap = Interval(job.fresh.stop, window.fresh.start)
             mine = any(author == name for _, author in state.authors.segments(gap))
-            if not (mine or state.frozen.intersects(SpliceList([gap]))):
+            if not (mine or state.frozen.intersects(SpliceList.of(gap))):
                 job = job.hull(window)
                 continue
         if job is not None:
@@ -185,7 +185,7 @@ def _first_fit(
             kind.name,
         )
     elapsed = (perf_counter_ns() - begin) / 1000
-    emit(Fitted(kind.name, domain, SpliceList([domain]), value.size, rest, elapsed))
+    emit(Fitted(kind.name, domain, SpliceList.of(domain), value.size, rest, elapsed))
     return value
 
 
@@ -243,7 +243,7 @@ def _splice_in(
         _check_frozen(state, edit, kind.name)
         elapsed = (perf_counter_ns() - begin) / 1000
         emit(Fitted(kind.name, target, edit.splices, edit.value.size, edit.bound, elapsed))
-        return Held(edit.value, held.stale - SpliceList([job.refreshed(target)]))
+        return Held(edit.value, held.stale - SpliceList.of(job.refreshed(target)))
     assert last is not None
     if job.cut:
         return _splice_in(state, kind, held, Window(job.stale, job.stale), emit, sample)
@@ -259,8 +259,8 @@ def _room(state: State, name: str, stale: SpliceList, job: Interval) -> Interval
     room = state.authors.room(job, name)
     if len(stale) == 1 and not state.frozen:
         return room
-    others = (stale | state.frozen) - SpliceList([job])
-    for other in others & SpliceList([room]):
+    others = (stale | state.frozen) - SpliceList.of(job)
+    for other in others & SpliceList.of(room):
         if other.stop <= job.start:
             room = Interval(max(room.start, other.stop), room.stop)
         else:
@@ -279,8 +279,10 @@ def _check_frozen(state: State, edit: Edit[Representation], kind: str) -> None:
             )
 
 
-def check_edit(before: Representation, edit: Edit[Representation], plugin: str) -> None:
+def check_edit(before: Representation, edit: Edit[Representation], plugin: str) -> float:
     """Raise unless ``edit`` is a sound change of ``before``; ``plugin`` is who made it.
+
+    Returns how large the coordinates are, :attr:`multirep.Representation.magnitude`.
 
     Checked: its types, domain and dimension; that it is finite; that its splices lie in T; and,
     locally (shared blocks are not looked into), that it reports all that it changed.
@@ -305,11 +307,12 @@ def check_edit(before: Representation, edit: Edit[Representation], plugin: str) 
             f"{before.dimension} coordinates to {after.domain} in {after.dimension}",
             plugin,
         )
-    if edit.splices and not before.domain.contains(edit.splices.hull):
+    if not edit.splices.lies_in(before.domain):
         raise PluginError(
             f"{plugin!r} reports splices {edit.splices} outside the domain {before.domain}", plugin
         )
-    finite = math.isfinite(after.magnitude)
+    magnitude = after.magnitude
+    finite = math.isfinite(magnitude)
     if finite and edit.splices and type(after).magnitude is Representation.magnitude:
         # nobody vouched for all coordinates
         looks = [min(a + look * (b - a), b) for a, b in edit.splices for look in LOOKS]
@@ -322,22 +325,21 @@ def check_edit(before: Representation, edit: Edit[Representation], plugin: str) 
             f"{before.name!r}.changes must return a SpliceList, got {type(changed).__name__}",
             before.name,
         )
-    unreported = changed - edit.splices
-    if unreported:
+    if not edit.splices.contains(changed):
         raise UnreportedChangeError(
-            f"{plugin!r} changed {unreported} without reporting it "
+            f"{plugin!r} changed {changed - edit.splices} without reporting it "
             f"(reported: {edit.splices or 'nothing'})"
         )
+    return magnitude
 
 
-def check_tolerance(curve: Representation, *, tolerance: float) -> None:
-    """Raise unless the tolerance is positive and rounding allows it for these coordinates."""
-    if not (np.isfinite(tolerance) and tolerance > 0):
+def check_tolerance(magnitude: float, *, tolerance: float) -> None:
+    """Raise unless the tolerance is positive and rounding allows it for coordinates so large."""
+    if not (math.isfinite(tolerance) and tolerance > 0):
         raise ToleranceError(
             f"the tolerance must be positive and finite, got {tolerance!r}", tolerance=tolerance
         )
-    magnitude = curve.magnitude
-    if not np.isfinite(magnitude):
+    if not math.isfinite(magnitude):
         raise InvalidCurveError("the curve has NaN or infinite coordinates")
     reachable = SMALLEST_TOLERANCE * magnitude
     if tolerance < reachable:
@@ -349,12 +351,11 @@ def check_tolerance(curve: Representation, *, tolerance: float) -> None:
         )
 
 
-def evolve_stale(state: State, name: str, splices: SpliceList) -> State:
+def evolve_stale(state: State, name: str, changed: Held, splices: SpliceList) -> State:
     """Return the state after ``name`` changed the curve: author there, the others stale."""
     held = {
-        other: item
-        if other == name or item.value is None
-        else Held(item.value, item.stale | splices)
+        other: item if item.value is None else Held(item.value, item.stale | splices)
         for other, item in state.held.items()
     }
+    held[name] = changed
     return state.with_author(held, state.authors.assigned(splices, name))

@@ -80,7 +80,7 @@ class Window:
 
     def target(self) -> Interval:
         """Return the least that a splice must cover: the window and its aprons."""
-        return self._extended(self.apron, 0.0)
+        return self._extended(self.apron, 0.0) if self.cut else self.fresh
 
     def within(self, reach: float, room: Interval) -> Interval:
         """Return the most that a splice may cover.
