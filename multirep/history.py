@@ -9,7 +9,7 @@ H. Baker, "Shallow binding makes functional arrays fast", 1991; a zipper of diff
 from __future__ import annotations
 
 from collections.abc import Mapping
-from operator import is_
+from operator import attrgetter, is_
 from typing import Any, TypeAlias
 from weakref import ref
 
@@ -140,9 +140,9 @@ def _together(apart: Moment | tuple[_Apart, ...], base: Moment) -> Moment:
 
 # -- states ----------------------------------------------------------------------------------------
 
-_OTHERS = tuple(
-    field.name for field in attrs.fields(State) if field.name not in ("held", "authors")
-)
+#: The looks last: those of two states may say the same though they are not the same.
+_OTHERS = ("tolerance", "claims", "frozen", "added", "preparations", "looks")
+_others_of = attrgetter(*_OTHERS)
 
 
 def _state_apart(curve: str, one: CurveState, two: CurveState) -> _Apart:
@@ -150,14 +150,11 @@ def _state_apart(curve: str, one: CurveState, two: CurveState) -> _Apart:
     held = tuple(map(_held_apart, state.held.values(), base.held.values()))
     authors = _authors_apart(state.authors, base.authors)
     constraints = None if _same(one.constraints, two.constraints) else one.constraints
-    others = [
-        (name, mine)
-        for name in _OTHERS
-        if (mine := getattr(state, name)) is not getattr(base, name)
-    ]
-    if _as_data(state.looks) == _as_data(base.looks):
-        others = [(name, mine) for name, mine in others if name != "looks"]
-    return _Apart(curve, held, authors, tuple(others), constraints)
+    fields = zip(_OTHERS, _others_of(state), _others_of(base), strict=True)
+    others = tuple((name, mine) for name, mine, theirs in fields if mine is not theirs)
+    if others and others[-1][0] == "looks" and _as_data(state.looks) == _as_data(base.looks):
+        others = others[:-1]
+    return _Apart(curve, held, authors, others, constraints)
 
 
 def _state_together(apart: _Apart, base: CurveState) -> CurveState:
@@ -165,9 +162,11 @@ def _state_together(apart: _Apart, base: CurveState) -> CurveState:
     kinds = zip(state.held.items(), apart.held, strict=True)
     held = {name: _held_together(one, two) for (name, two), one in kinds}
     authors = _authors_together(apart.authors, state.authors)
-    others = {name: getattr(state, name) for name in _OTHERS} | dict(apart.others)
+    state = state.with_values(held, authors)
+    if apart.others:
+        state = attrs.evolve(state, **dict(apart.others))
     constraints = base.constraints if apart.constraints is None else apart.constraints
-    return CurveState(State(held=held, authors=authors, **others), constraints)
+    return CurveState(state, constraints)
 
 
 def _as_data(looks: tuple[Look, ...]) -> list[tuple[str, SpliceList | None]]:

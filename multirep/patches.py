@@ -14,7 +14,7 @@ import numpy as np
 
 from multirep.blocks import BLOCK_ROWS, BlockArray
 
-__all__ = ["patch_of", "patched"]
+__all__ = ["patch_of", "patched", "replacement"]
 
 #: Rows in a patch of one array at most: where versions differ in more, or far apart, whole blocks
 #: that they share take less.
@@ -51,13 +51,14 @@ def patch_of(arrays: Sequence[BlockArray], base: Sequence[BlockArray]) -> bytes 
         if mine is theirs:
             marks.append(_SAME)
         else:
-            if mine.shape[1:] != theirs.shape[1:]:
+            if mine.row_shape != theirs.row_shape:
                 return None
             low, high, other = mine.difference(theirs)
-            if high - low > _MOST or max(len(mine), len(theirs)) >= _LONGEST:
+            if high - low > _MOST or other >= _LONGEST:
                 return None
             marks.append(_MARK.pack(low, other - low, high - low))
-            parts.append(mine.window(low, high).tobytes())
+            if low < high:
+                parts.append(mine.window(low, high).tobytes())
     return b"".join(marks + parts)
 
 
@@ -71,8 +72,17 @@ def patched(base: Sequence[BlockArray], patch: bytes) -> tuple[BlockArray, ...]:
     at = _MARK.size * len(base)
     for array, (low, gone, come) in zip(base, _MARK.iter_unpack(patch[:at]), strict=True):
         if gone or come:
-            rows = np.ndarray((come, *array.shape[1:]), np.float64, patch, at)
+            rows = np.ndarray((come, *array.row_shape), np.float64, patch, at)
             at += rows.nbytes
             array = array.replaced(low, low + gone, rows)
         made.append(array)
     return tuple(made)
+
+
+def replacement(patch: bytes) -> tuple[int, int, int]:
+    """Return what a patch does to the first array: ``(low, gone, come)``.
+
+    Rows low .. low + gone - 1 of the base go, rows low .. low + come - 1 of the other come.
+    """
+    low, gone, come = _MARK.unpack_from(patch)
+    return low, gone, come

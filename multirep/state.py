@@ -75,6 +75,10 @@ class State:
         """Return the state with another value of one kind."""
         return self._with({**self.held, name: held}, self.authors, self.looks)
 
+    def with_values(self, held: Mapping[str, Held], authors: AuthorMap) -> State:
+        """Return the state with other values and authors, and the same looks."""
+        return self._with(held, authors, self.looks)
+
     def with_author(self, held: Mapping[str, Held], authors: AuthorMap) -> State:
         """Return the state after somebody changed the curve; nobody has looked yet."""
         return self._with(held, authors, ())

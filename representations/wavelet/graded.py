@@ -11,7 +11,7 @@ import numpy as np
 from multirep.arrays import Array, Indices
 from multirep.blocks import BlockArray
 from multirep.interval import Interval
-from multirep.patches import patch_of, patched
+from multirep.patches import patch_of, patched, replacement
 from multirep.representations.wavelet.dyadic import level_counts, parameters
 from multirep.splices import SpliceList
 from multirep.splines import compiled
@@ -143,12 +143,15 @@ class Graded:
     def patched(self, patch: bytes) -> Graded:
         """Return the curve that gave ``patch`` beside this one, bit for bit."""
         (magnitude,) = _MAGNITUDE.unpack_from(patch)
-        u, points = patched((self.u, self.points), patch[_MAGNITUDE.size :])
+        patch = patch[_MAGNITUDE.size :]
+        u, points = patched((self.u, self.points), patch)
         counts = self.counts
         if u is not self.u:
-            low, high, other = u.difference(self.u)
-            counts = counts + level_counts(u.window(low, high))
-            counts -= level_counts(self.u.window(low, other))
+            low, gone, come = replacement(patch)
+            if come:
+                counts = counts + level_counts(u.window(low, low + come))
+            if gone:
+                counts = counts - level_counts(self.u.window(low, low + gone))
         return Graded(self.domain, u, points, counts, magnitude)
 
     def refined(self, u: Array) -> Graded:
