@@ -21,7 +21,7 @@ from multirep.multirepresentation import MultiRepresentation
 from multirep.representation import Representation
 from multirep.runs import shared_ends
 from multirep.splices import SpliceList
-from multirep.state import Held, Look, State
+from multirep.state import Held, Look
 
 __all__ = ["Moment", "Trail"]
 

@@ -2,6 +2,9 @@
 
 from multirep.splines.arrays import Array, IntArray
 
+#: A checksum of this file as it was when the core was built.
+INTERFACE: int
+
 class Rope:
     """The rows of blocks, end to end."""
 
