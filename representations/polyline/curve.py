@@ -221,8 +221,7 @@ class Polyline(Representation):
     @classmethod
     def fit(cls, sampled: SampledSplice, *, tolerance: float, **options: Any) -> Self:
         """Return the polyline over T with as few samples as the allowance needs."""
-        if options:
-            raise TypeError(f"a polyline fit has no options, got {', '.join(options)}")
+        cls.check_options(options)
         new = follow(sampled, tolerance, None, None)
         return cls(new.t, new.points)
 

@@ -187,9 +187,10 @@ class WaveletBSpline(SplineCurve):
         ------
         ToleranceError
             When that cannot be proved; it says what can.
+        UnknownNameError
+            For any option.
         """
-        if options:
-            raise EditError(f"a wavelet fit has no options, got {', '.join(sorted(options))}")
+        cls.check_options(options)
         return cls._of(splicing.fit(sampled, tolerance=tolerance)[0])
 
     def splice(self, sampled: SampledSplice, *, tolerance: float) -> Edit[Self]:
