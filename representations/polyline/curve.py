@@ -132,15 +132,13 @@ class Polyline(Representation):
         boxes: BlockBoxes | None,
         known: Known,
     ) -> None:
-        for field, value in (
-            ("t", t),
-            ("points", points),
-            ("domain", domain),
-            ("dimension", points.shape[1]),
-            ("_known_boxes", boxes),
-            ("_known", known),
-        ):
-            object.__setattr__(self, field, value)
+        put = object.__setattr__
+        put(self, "t", t)
+        put(self, "points", points)
+        put(self, "domain", domain)
+        put(self, "dimension", points.row_shape[0])
+        put(self, "_known_boxes", boxes)
+        put(self, "_known", known)
 
     # -- the contract ------------------------------------------------------------------------------
 
@@ -251,13 +249,13 @@ class Polyline(Representation):
         return changed_stretches(self.t, self.points, other.t, other.points)
 
     def patch(self, other: Self) -> bytes | None:
-        """Return what makes this value of ``other``; see `Representation.patch`."""
+        """Return what makes this value of ``other`` and back; see `Representation.patch`."""
         same = self.domain == other.domain
         return patch_of((self.t, self.points), (other.t, other.points)) if same else None
 
-    def patched(self, patch: bytes) -> Self:
-        """Return the value that gave ``patch`` beside this one; O(vertices in the patch)."""
-        return self._with(*patched((self.t, self.points), patch))
+    def patched(self, patch: bytes, *, back: bool = False) -> Self:
+        """Return the other value that ``patch`` is about; O(vertices in the patch)."""
+        return self._with(*patched((self.t, self.points), patch, back=back))
 
     def nearest(self, point: ArrayLike) -> Nearest:
         """Return the nearest place, exact up to rounding, or those of many points."""

@@ -16,8 +16,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import multirep as mr
-from multirep import history, patches
-from multirep import session as session_module
+from multirep import history, moments, patches
 from multirep.authors import AuthorMap
 from multirep.constraints import Freeze
 from multirep.errors import MultirepError
@@ -92,7 +91,6 @@ def early() -> Iterator[None]:
     """All moments but the nearest are kept as differences."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(history, "NEAR", 1)
-        patch.setattr(session_module, "UNDONE", 2)
         yield
 
 
@@ -246,10 +244,11 @@ def test_a_patch_makes_one_version_of_another(data: st.DataObject, columns: int,
     for mine, base in ((one, two), (two, one), (one, one)):
         patch = patches.patch_of((mine, still), (base, still))
         assert patch is not None
-        made, same = patches.patched((base, still), patch)
-        assert np.asarray(made).tobytes() == np.asarray(mine).tobytes()
-        assert made.shape == mine.shape
-        assert same is still
+        for start, back, end in ((base, False, mine), (mine, True, base)):
+            made, same = patches.patched((start, still), patch, back=back)
+            assert np.asarray(made).tobytes() == np.asarray(end).tobytes()
+            assert made.shape == end.shape
+            assert same is still
 
 
 @given(data=st.data())
@@ -265,11 +264,12 @@ def test_a_wavelet_is_made_again_with_all_that_it_counts(data: st.DataObject) ->
     for mine, base in ((one, two), (two, one)):
         patch = mine.patch(base)
         assert patch is not None
-        made, graded = base.patched(patch)._graded, mine._graded
-        assert made.magnitude == graded.magnitude
-        np.testing.assert_array_equal(made.counts, graded.counts)
-        np.testing.assert_array_equal(np.asarray(made.u), np.asarray(graded.u))
-        np.testing.assert_array_equal(np.asarray(made.points), np.asarray(graded.points))
+        there, here = base.patched(patch), mine.patched(patch, back=True)
+        for made, graded in ((there._graded, mine._graded), (here._graded, base._graded)):
+            assert made.magnitude == graded.magnitude
+            np.testing.assert_array_equal(made.counts, graded.counts)
+            np.testing.assert_array_equal(np.asarray(made.u), np.asarray(graded.u))
+            np.testing.assert_array_equal(np.asarray(made.points), np.asarray(graded.points))
 
 
 @given(data=st.data())
@@ -282,9 +282,10 @@ def test_authors_come_back(data: st.DataObject) -> None:
         name = data.draw(st.sampled_from("abc"))
         maps.append(maps[-1].assigned(mr.SpliceList([part]), name))
     for one, two in product(maps, maps):
-        apart = history._authors_apart(one, two)
-        assert not isinstance(apart, AuthorMap)
-        assert history._authors_together(apart, two) == one
+        apart = moments._authors_between(one, two)
+        assert not isinstance(apart, tuple)
+        assert moments._authors_together(apart, two, moments.EARLIER) == one
+        assert moments._authors_together(apart, one, moments.LATER) == two
 
 
 def test_versions_that_differ_in_much_or_in_kind_have_no_patch() -> None:
