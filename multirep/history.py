@@ -50,7 +50,7 @@ class History:
         """Make a moment all that there is, the one before the first present; nobody goes there."""
         #: None for the present as long as nobody has left it.
         self._moments: list[Moment | Faded | None] = [start, None]
-        #: What differs between each moment and the next, once it was asked for.
+        #: What makes one of each moment and the next of the other, once it was asked for.
         self._between: list[Between | None] = [None]
         self._at = 1
 
@@ -105,7 +105,7 @@ class History:
         """Return the moment that all began with; O(all changes on the way)."""
         there = self._whole(self._at - 1)
         for at in reversed(range(self._at - 1)):
-            there = self._made(at, EARLIER, there)
+            there, _ = self._made(at, EARLIER, there)
         return there
 
     # What follows keeps the neighbours of the present whole: there, everything can be made anew.
@@ -120,15 +120,17 @@ class History:
     def _make(self, at: int, side: Side) -> None:
         """Make a moment whole if there is one; it is on this side of a whole neighbour."""
         if 0 <= at < len(self._moments):
-            self._moments[at] = self._made(at, side, self._whole(at + 1 - 2 * side))
+            made = self._made(at, side, self._whole(at + 1 - 2 * side))
+            self._moments[at], self._between[at - side] = made
 
-    def _made(self, at: int, side: Side, neighbour: Moment) -> Moment:
+    def _made(self, at: int, side: Side, neighbour: Moment) -> tuple[Moment, Between | None]:
         left, apart = self._moments[at], self._between[at - side]
         if isinstance(left, Moment):
-            return left
+            return left, apart
         assert left is not None
         assert apart is not None
-        return together(apart, left, neighbour, side)
+        assert apart.makes == side
+        return together(apart, left, neighbour)
 
     def _whole(self, at: int) -> Moment:
         moment = self._moments[at]
@@ -143,8 +145,8 @@ class History:
         if not isinstance(moment, Moment):
             return
         apart = self._between[first]
-        if apart is None:
-            apart = between(self._whole(first), self._whole(first + 1))
+        if apart is None or apart.makes != side:
+            apart = between(self._whole(first), self._whole(first + 1), side)
             self._between[first] = apart
         if apart is not None:  # there were the same curves
             self._moments[at] = faded(moment, apart)

@@ -1,10 +1,10 @@
-"""Moments of a session, and what differs between two neighbours: it makes each of the other.
+"""Moments of a session, and what differs between two neighbours, which makes one of the other.
 
 A state shares with its neighbours all that did not change, but in blocks: a thousand steps that
 move a vertex each would keep a thousand blocks. Nobody looks at a moment far away, and whoever goes
-there passes all between: so of a far one nothing is kept but what differs from the next one on the
-way, the rows before and the rows after (H. Baker, "Shallow binding makes functional arrays fast",
-1991; a journal of before-images and after-images).
+there passes all between: so of a far one nothing is kept but what makes it of the next one on the
+way. Passed, that is turned around: it makes the next one of this one (Baker's trick, H. Baker,
+"Shallow binding makes functional arrays fast", 1991).
 """
 
 from __future__ import annotations
@@ -63,7 +63,7 @@ class CurveBetween:
 class _HeldBetween:
     """What differs between two held values of a kind."""
 
-    #: None where both are the same value; empty where they have nothing in common.
+    #: Makes one of the other; None where both are the same, empty where nothing is in common.
     patch: bytes | None
     stale: tuple[SpliceList, SpliceList] | None
 
@@ -78,40 +78,59 @@ class _AuthorsBetween:
 
 _Stretches: TypeAlias = tuple[tuple[float, ...], tuple[str, ...]]
 
-#: The curves that differ.
-Between: TypeAlias = tuple[CurveBetween, ...]
+
+@attrs.frozen(eq=False, weakref_slot=False)
+class Between:
+    """What differs between two neighbours, and which of them it makes of the other."""
+
+    makes: Side
+    #: Those that differ.
+    curves: tuple[CurveBetween, ...]
+
+
 #: What is left of a moment far away, for each of the curves that differ and each kind: the value as
 #: long as somebody else holds it, or itself where nothing makes it of the other.
 Faded: TypeAlias = tuple[tuple["ref[Representation] | Held | None", ...], ...]
 
 
-def between(earlier: Moment, later: Moment) -> Between | None:
-    """Return what differs between two neighbours; None where there are other curves.
+def between(earlier: Moment, later: Moment, makes: Side) -> Between | None:
+    """Return what makes one of two neighbours of the other; None where there are other curves.
 
     O(what changed).
     """
     if not _same(earlier.curves, later.curves):
         return None
-    return tuple(
-        _curve_between(name, one, two)
-        for (name, one), two in zip(earlier.states.items(), later.states.values(), strict=True)
+    states = zip(earlier.states.items(), later.states.values(), strict=True)
+    curves = [
+        _curve_between(name, one, two, makes)
+        for (name, one), two in states
         if one.state is not two.state or not _same(one.constraints, two.constraints)
-    )
+    ]
+    return Between(makes, tuple(curves))
 
 
 def faded(moment: Moment, apart: Between) -> Faded:
-    """Return what must be kept of a moment beside what differs from its neighbour."""
+    """Return what must be kept of a moment beside what makes it of its neighbour."""
     return tuple(
-        tuple(map(_left, moment.states[one.curve].state.held.values(), one.held)) for one in apart
+        [
+            tuple(map(_left, moment.states[one.curve].state.held.values(), one.held))
+            for one in apart.curves
+        ]
     )
 
 
-def together(apart: Between, left: Faded, neighbour: Moment, side: Side) -> Moment:
-    """Return the earlier or the later one of two neighbours, made of the other; bit for bit."""
-    states = dict(neighbour.states)
-    for one, kept in zip(apart, left, strict=True):
-        states[one.curve] = _state_together(one, kept, states[one.curve], side)
-    return Moment(neighbour.curves, states)
+def together(apart: Between, left: Faded, neighbour: Moment) -> tuple[Moment, Between]:
+    """Return a moment, made of its neighbour bit for bit, and what makes that one of it."""
+    states, turned = dict(neighbour.states), []
+    for one, kept in zip(apart.curves, left, strict=True):
+        state, back = _state_together(one, kept, states[one.curve], apart.makes)
+        states[one.curve] = state
+        turned.append(back)
+    return Moment(neighbour.curves, states), Between(_other(apart.makes), tuple(turned))
+
+
+def _other(side: Side) -> Side:
+    return LATER if side == EARLIER else EARLIER
 
 
 def _same(one: Mapping[str, object], two: Mapping[str, object]) -> bool:
@@ -127,9 +146,10 @@ _OTHERS = ("tolerance", "claims", "frozen", "added", "preparations", "looks")
 _others_of = attrgetter(*_OTHERS)
 
 
-def _curve_between(curve: str, earlier: CurveState, later: CurveState) -> CurveBetween:
+def _curve_between(curve: str, earlier: CurveState, later: CurveState, makes: Side) -> CurveBetween:
     one, two = earlier.state, later.state
-    held = tuple(map(_held_between, one.held.values(), two.held.values()))
+    pairs = zip(one.held.values(), two.held.values(), strict=True)
+    held = tuple([_held_between(*pair, makes) for pair in pairs])
     fields = zip(_OTHERS, _others_of(one), _others_of(two), strict=True)
     others = tuple([field for field in fields if field[1] is not field[2]])
     if others and others[-1][0] == "looks" and _as_data(one.looks) == _as_data(two.looks):
@@ -146,17 +166,20 @@ def _state_together(
     left: tuple[ref[Representation] | Held | None, ...],
     neighbour: CurveState,
     side: Side,
-) -> CurveState:
+) -> tuple[CurveState, CurveBetween]:
     state = neighbour.state
-    held = {
-        name: _held_together(one, kept, there, side)
-        for one, kept, (name, there) in zip(apart.held, left, state.held.items(), strict=True)
-    }
+    held, turned = {}, []
+    for one, kept, (name, there) in zip(apart.held, left, state.held.items(), strict=True):
+        held[name], back = _held_together(one, kept, there, side)
+        turned.append(back)
     state = state.with_values(held, _authors_together(apart.authors, state.authors, side))
     if apart.others:
         state = attrs.evolve(state, **{name: values[side] for name, *values in apart.others})
     pair = apart.constraints
-    return CurveState(state, neighbour.constraints if pair is None else pair[side])
+    made = CurveState(state, neighbour.constraints if pair is None else pair[side])
+    return made, CurveBetween(
+        apart.curve, tuple(turned), apart.authors, apart.others, apart.constraints
+    )
 
 
 def _as_data(looks: tuple[Look, ...]) -> list[tuple[str, SpliceList | None]]:
@@ -167,14 +190,15 @@ def _as_data(looks: tuple[Look, ...]) -> list[tuple[str, SpliceList | None]]:
 # -- what is held ----------------------------------------------------------------------------------
 
 
-def _held_between(earlier: Held, later: Held) -> _HeldBetween | None:
+def _held_between(earlier: Held, later: Held, makes: Side) -> _HeldBetween | None:
     one, two = earlier.value, later.value
     stale = None if earlier.stale == later.stale else (earlier.stale, later.stale)
     if one is two:
         return None if stale is None else _HeldBetween(None, stale)
     if one is None or two is None or type(one) is not type(two):
         return _HeldBetween(b"", stale)
-    return _HeldBetween(one.patch(two) or b"", stale)
+    patch = one.patch(two) if makes == EARLIER else two.patch(one)
+    return _HeldBetween(patch or b"", stale)
 
 
 def _left(held: Held, apart: _HeldBetween | None) -> ref[Representation] | Held | None:
@@ -188,17 +212,20 @@ def _held_together(
     left: ref[Representation] | Held | None,
     neighbour: Held,
     side: Side,
-) -> Held:
+) -> tuple[Held, _HeldBetween | None]:
     if apart is None:
-        return neighbour
+        return neighbour, None
     if isinstance(left, Held):
-        return left
+        return left, apart
     stale = neighbour.stale if apart.stale is None else apart.stale[side]
     there = neighbour.value
-    value = there if left is None else left()
-    if value is None and there is not None and apart.patch is not None:
-        value = there.patched(apart.patch, back=side == LATER)
-    return Held(value, stale)
+    if left is None:
+        return Held(there, stale), apart
+    assert there is not None
+    assert apart.patch is not None
+    made, back = there.patched(apart.patch)
+    known = left()
+    return Held(made if known is None else known, stale), _HeldBetween(back, apart.stale)
 
 
 # -- authors ---------------------------------------------------------------------------------------

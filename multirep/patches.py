@@ -1,8 +1,8 @@
-"""What makes one version of some block arrays of another, and back, as few bytes.
+"""What makes one version of some block arrays of another, as few bytes.
 
 Two neighbouring versions differ in a few rows. Blocks are shared whole, so that an old version
-keeps a block for every row that changed; a patch keeps the rows of both (H. Baker, "Shallow binding
-makes functional arrays fast", 1991: all versions but one are differences from a neighbour).
+keeps a block for every row that changed; a patch keeps the rows (H. Baker, "Shallow binding makes
+functional arrays fast", 1991: all versions but one are differences from a neighbour).
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ import numpy as np
 
 from multirep.blocks import BLOCK_ROWS, BlockArray
 
-__all__ = ["patch_of", "patched", "replaced_rows"]
+__all__ = ["patch_of", "patched", "replacement"]
 
 #: Rows in a patch of one array at most: where versions differ in more, or far apart, whole blocks
 #: that they share take less.
@@ -27,7 +27,7 @@ _SAME = _MARK.pack(0, 0, 0)
 
 
 def patch_of(arrays: Sequence[BlockArray], base: Sequence[BlockArray]) -> bytes | None:
-    """Return what makes ``arrays`` of ``base`` and back; None where that would be no small thing.
+    """Return what makes ``arrays`` of ``base``, or None where that would be no small thing.
 
     Parameters
     ----------
@@ -36,16 +36,18 @@ def patch_of(arrays: Sequence[BlockArray], base: Sequence[BlockArray]) -> bytes 
 
     Notes
     -----
-    O(rows that differ); see `BlockArray.difference`. 12 bytes an array and 8 a number, of both.
+    O(rows that differ); see `BlockArray.difference`. 12 bytes an array and 8 a number.
 
     Examples
     --------
     >>> a = BlockArray.of([1.0, 2.0, 3.0])
     >>> b = a.replaced(1, 2, [])
     >>> patch = patch_of([a], [b])
-    >>> len(patch), np.asarray(patched([b], patch)[0])
-    (20, array([1., 2., 3.]))
-    >>> np.asarray(patched([a], patch, back=True)[0])
+    >>> [made], back = patched([b], patch)
+    >>> len(patch), len(back), np.asarray(made)
+    (20, 12, array([1., 2., 3.]))
+    >>> [made], _ = patched([made], back)
+    >>> np.asarray(made)
     array([1., 3.])
     """
     marks, parts = [], []
@@ -59,40 +61,35 @@ def patch_of(arrays: Sequence[BlockArray], base: Sequence[BlockArray]) -> bytes 
             if max(high, other) - low > _MOST or other >= _LONGEST:
                 return None
             marks.append(_MARK.pack(low, other - low, high - low))
-            if low < other:
-                parts.append(theirs.window(low, other).tobytes())
             if low < high:
                 parts.append(mine.window(low, high).tobytes())
     return b"".join(marks + parts)
 
 
-def patched(
-    base: Sequence[BlockArray], patch: bytes, *, back: bool = False
-) -> tuple[BlockArray, ...]:
-    """Return the arrays that gave ``patch`` beside ``base``, bit for bit.
+def patched(base: Sequence[BlockArray], patch: bytes) -> tuple[tuple[BlockArray, ...], bytes]:
+    """Return the arrays that gave ``patch`` beside ``base``, bit for bit, and the patch back.
 
-    Or, going back, those beside which ``base`` gave it. They share with ``base`` all blocks in
-    which nothing differs, and arrays that are the same. O(rows in the patch), as for
-    `BlockArray.replaced`.
+    They share with ``base`` all blocks in which nothing differs, and arrays that are the same.
+    O(rows in both patches), as for `BlockArray.replaced`.
     """
-    made = []
+    made, marks, parts = [], [], []
     at = _MARK.size * len(base)
     for array, (low, gone, come) in zip(base, _MARK.iter_unpack(patch[:at]), strict=True):
+        marks.append(_MARK.pack(low, come, gone))
         if gone or come:
-            both = np.ndarray((gone + come, *array.row_shape), np.float64, patch, at)
-            at += both.nbytes
-            if back:
-                array = array.replaced(low, low + come, both[:gone])
-            else:
-                array = array.replaced(low, low + gone, both[gone:])
+            rows = np.ndarray((come, *array.row_shape), np.float64, patch, at)
+            at += rows.nbytes
+            if gone:
+                parts.append(array.window(low, low + gone).tobytes())
+            array = array.replaced(low, low + gone, rows)
         made.append(array)
-    return tuple(made)
+    return tuple(made), b"".join(marks + parts)
 
 
-def replaced_rows(patch: bytes, *, back: bool = False) -> tuple[int, int, int]:
-    """Return what a patch does to the first array: ``(low, high, other_high)``.
+def replacement(patch: bytes) -> tuple[int, int, int]:
+    """Return what a patch does to the first array: ``(low, gone, come)``.
 
-    Rows low .. high - 1 go, and low .. other_high - 1 of the other come.
+    Rows low .. low + gone - 1 of the base go, rows low .. low + come - 1 of the other come.
     """
     low, gone, come = _MARK.unpack_from(patch)
-    return (low, low + come, low + gone) if back else (low, low + gone, low + come)
+    return low, gone, come

@@ -153,19 +153,15 @@ class Representation(abc.ABC):
         return SpliceList(zip(t[chords], t[chords + 1], strict=True))
 
     def patch(self, other: Self) -> bytes | None:
-        """Return what makes this value of ``other`` and back, or None.
+        """Return what makes this value of ``other``, a neighbour in the history, or None.
 
-        ``other`` is its neighbour in the history. What only the history holds is kept so. The
-        default, None, keeps the value itself; see :mod:`multirep.patches` for values that are made
-        of block arrays.
+        What only the history holds is kept so. The default, None, keeps the value itself; see
+        :mod:`multirep.patches` for values that are made of block arrays.
         """
         return None
 
-    def patched(self, patch: bytes, *, back: bool = False) -> Self:
-        """Return the value that gave ``patch`` beside this one, bit for bit.
-
-        Going back, it is the value beside which this one gave the patch.
-        """
+    def patched(self, patch: bytes) -> tuple[Self, bytes]:
+        """Return the value that gave ``patch`` beside this one, bit for bit; and the patch back."""
         raise NotImplementedError(f"{self.name} makes no patches")
 
     def derivative(self, t: ArrayLike, order: int = 1, side: str = "right") -> Array:

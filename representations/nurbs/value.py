@@ -200,16 +200,17 @@ class NurbsValue(SplineCurve):
         )
 
     def patch(self, other: Self) -> bytes | None:
-        """Return what makes this value of ``other`` and back; see `Representation.patch`."""
+        """Return what makes this value of ``other``; see `Representation.patch`."""
         mine, theirs = self._stored, other._stored
         if self.degree != other.degree or self.domain != other.domain or len(mine) != len(theirs):
             return None
         return patch_of(mine, theirs)
 
-    def patched(self, patch: bytes, *, back: bool = False) -> Self:
-        """Return the other value that ``patch`` is about; O(control points in the patch)."""
-        knots, points, *weights = patched(self._stored, patch, back=back)
-        return self._with(knots=knots, points=points, weights=weights[0] if weights else None)
+    def patched(self, patch: bytes) -> tuple[Self, bytes]:
+        """Return the value that gave ``patch`` beside this one; O(control points in the patch)."""
+        (knots, points, *weights), back = patched(self._stored, patch)
+        value = self._with(knots=knots, points=points, weights=weights[0] if weights else None)
+        return value, back
 
     @property
     def _stored(self) -> tuple[BlockArray, ...]:

@@ -249,13 +249,14 @@ class Polyline(Representation):
         return changed_stretches(self.t, self.points, other.t, other.points)
 
     def patch(self, other: Self) -> bytes | None:
-        """Return what makes this value of ``other`` and back; see `Representation.patch`."""
+        """Return what makes this value of ``other``; see `Representation.patch`."""
         same = self.domain == other.domain
         return patch_of((self.t, self.points), (other.t, other.points)) if same else None
 
-    def patched(self, patch: bytes, *, back: bool = False) -> Self:
-        """Return the other value that ``patch`` is about; O(vertices in the patch)."""
-        return self._with(*patched((self.t, self.points), patch, back=back))
+    def patched(self, patch: bytes) -> tuple[Self, bytes]:
+        """Return the value that gave ``patch`` beside this one; O(vertices in the patch)."""
+        arrays, back = patched((self.t, self.points), patch)
+        return self._with(*arrays), back
 
     def nearest(self, point: ArrayLike) -> Nearest:
         """Return the nearest place, exact up to rounding, or those of many points."""

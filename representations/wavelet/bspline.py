@@ -168,12 +168,13 @@ class WaveletBSpline(SplineCurve):
         return SampledSplice.unchecked(t, points, bound=float(bounds.max()), chord_bounds=bounds)
 
     def patch(self, other: Self) -> bytes | None:
-        """Return what makes this value of ``other`` and back; see `Representation.patch`."""
+        """Return what makes this value of ``other``; see `Representation.patch`."""
         return self._graded.patch(other._graded)
 
-    def patched(self, patch: bytes, *, back: bool = False) -> Self:
-        """Return the other value that ``patch`` is about; O(control points in the patch)."""
-        return self._of(self._graded.patched(patch, back=back), self._known)
+    def patched(self, patch: bytes) -> tuple[Self, bytes]:
+        """Return the value that gave ``patch`` beside this one; O(control points in the patch)."""
+        graded, back = self._graded.patched(patch)
+        return self._of(graded, self._known), back
 
     # -- following a polyline ----------------------------------------------------------------------
 

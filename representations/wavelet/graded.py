@@ -11,7 +11,7 @@ import numpy as np
 from multirep.arrays import Array, Indices
 from multirep.blocks import BlockArray
 from multirep.interval import Interval
-from multirep.patches import patch_of, patched, replaced_rows
+from multirep.patches import patch_of, patched, replacement
 from multirep.representations.wavelet.dyadic import level_counts, parameters
 from multirep.splices import SpliceList
 from multirep.splines import compiled
@@ -22,7 +22,7 @@ from multirep.splines.polar import refine
 __all__ = ["Graded", "clamped", "differences"]
 
 
-_MAGNITUDES = Struct("=2d")
+_MAGNITUDE = Struct("=d")
 
 
 @attrs.frozen(eq=False)
@@ -134,25 +134,24 @@ class Graded:
         return Graded(self.domain, self.u.replaced(*knots, u), changed, counts, magnitude)
 
     def patch(self, other: Graded) -> bytes | None:
-        """Return what makes this curve of ``other`` and back; None where that is no small thing."""
+        """Return what makes this curve of ``other``, or None where that is no small thing."""
         if self.domain != other.domain:
             return None
         arrays = patch_of((self.u, self.points), (other.u, other.points))
-        if arrays is None:
-            return None
-        return _MAGNITUDES.pack(other.magnitude, self.magnitude) + arrays
+        return None if arrays is None else _MAGNITUDE.pack(self.magnitude) + arrays
 
-    def patched(self, patch: bytes, *, back: bool = False) -> Graded:
-        """Return the curve that gave ``patch`` beside this one, or the one beside which it did."""
-        magnitude = _MAGNITUDES.unpack_from(patch)[not back]
-        patch = patch[_MAGNITUDES.size :]
-        u, points = patched((self.u, self.points), patch, back=back)
+    def patched(self, patch: bytes) -> tuple[Graded, bytes]:
+        """Return the curve that gave ``patch`` beside this one, and the patch back."""
+        (magnitude,) = _MAGNITUDE.unpack_from(patch)
+        patch = patch[_MAGNITUDE.size :]
+        (u, points), back = patched((self.u, self.points), patch)
         counts = self.counts
         if u is not self.u:
-            low, high, other = replaced_rows(patch, back=back)
-            counts = counts + level_counts(u.window(low, other))
-            counts -= level_counts(self.u.window(low, high))
-        return Graded(self.domain, u, points, counts, magnitude)
+            low, gone, come = replacement(patch)
+            counts = counts + level_counts(u.window(low, low + come))
+            counts -= level_counts(self.u.window(low, low + gone))
+        made = Graded(self.domain, u, points, counts, magnitude)
+        return made, _MAGNITUDE.pack(self.magnitude) + back
 
     def refined(self, u: Array) -> Graded:
         """Return the same curve with more knots.

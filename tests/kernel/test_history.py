@@ -244,11 +244,13 @@ def test_a_patch_makes_one_version_of_another(data: st.DataObject, columns: int,
     for mine, base in ((one, two), (two, one), (one, one)):
         patch = patches.patch_of((mine, still), (base, still))
         assert patch is not None
-        for start, back, end in ((base, False, mine), (mine, True, base)):
-            made, same = patches.patched((start, still), patch, back=back)
+        made = base
+        for end in (mine, base):
+            (made, same), patch = patches.patched((made, still), patch)
             assert np.asarray(made).tobytes() == np.asarray(end).tobytes()
             assert made.shape == end.shape
             assert same is still
+        assert patch == patches.patch_of((mine, still), (base, still))
 
 
 @given(data=st.data())
@@ -264,7 +266,8 @@ def test_a_wavelet_is_made_again_with_all_that_it_counts(data: st.DataObject) ->
     for mine, base in ((one, two), (two, one)):
         patch = mine.patch(base)
         assert patch is not None
-        there, here = base.patched(patch), mine.patched(patch, back=True)
+        there, back = base.patched(patch)
+        here, _ = there.patched(back)
         for made, graded in ((there._graded, mine._graded), (here._graded, base._graded)):
             assert made.magnitude == graded.magnitude
             np.testing.assert_array_equal(made.counts, graded.counts)
