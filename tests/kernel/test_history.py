@@ -10,6 +10,7 @@ from itertools import product
 from typing import Any
 from weakref import ref
 
+import attrs
 import numpy as np
 import pytest
 from hypothesis import given
@@ -21,6 +22,7 @@ from multirep.authors import AuthorMap
 from multirep.constraints import Freeze
 from multirep.errors import MultirepError
 from multirep.representations import Nurbs, Polyline, WaveletBSpline
+from multirep.state import State
 from multirep.testing.loopback import LoopbackRepresentation
 from multirep.tools import MoveControlPoint, MoveVertex, Sweep
 
@@ -102,7 +104,7 @@ def test_any_way_through_the_history_gives_the_same_bits(data: st.DataObject) ->
     curve = wave()
     session = session_of(curve)
     seen, at = [bits(curve)], 0
-    held: dict[int, mr.State] = {}
+    held: dict[int, State] = {}
     moves = ["step", "step", "step", "undo", "redo", "hold"]
     for k in range(data.draw(st.integers(3, 12))):
         move = data.draw(st.sampled_from(moves))
@@ -182,6 +184,56 @@ def test_a_value_that_somebody_holds_comes_back_itself() -> None:
         step(session, k, 0)
     session.undo(6)
     assert curve.view(Polyline) is held
+
+
+def test_what_was_passed_is_not_compared_again(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What makes one moment of its neighbour is turned around; only at the turns of the way, where
+    moments are whole, is anything compared.
+    """
+    curve = wave()
+    session = session_of(curve)
+    for k in range(12):
+        step(session, k, k % 3)
+    compared: list[int] = []
+    between = history.between
+
+    def counted(*moments: Any) -> Any:
+        compared.append(session.undoable)
+        return between(*moments)
+
+    monkeypatch.setattr(history, "between", counted)
+    for travel in (session.undo, session.redo, session.undo, session.redo):
+        compared.clear()
+        for _ in range(12):
+            travel()
+        assert len(compared) <= history.NEAR + 1
+    session.undo(6)
+    step(session, 1, 0)
+    compared.clear()
+    session.undo(7)
+    assert len(compared) <= history.NEAR + 1
+
+
+def test_a_look_at_an_earlier_moment_belongs_to_it() -> None:
+    """What it brought up to date is there on the way back, from either side."""
+    curve = wave()
+    session = session_of(curve)
+    for k in range(5):
+        session.apply("wave", MoveVertex(index=10 + 9 * k, to=(1.0 + k, 0.5)))
+    session.undo(3)
+    curve.view(Nurbs)
+    seen = bits(curve)
+    for there, back in ((session.redo, session.undo), (session.undo, session.redo)):
+        steps = 3 if there == session.redo else 2
+        there(steps)
+        assert bits(curve) != seen
+        back(steps)
+        assert bits(curve) == seen
+
+
+def test_every_field_of_a_state_is_compared() -> None:
+    """What is held, the authors, and the others."""
+    assert {"held", "authors", *moments._OTHERS} == {field.name for field in attrs.fields(State)}
 
 
 def test_curves_of_other_kinds_and_other_curves_come_back() -> None:
