@@ -187,13 +187,18 @@ def test_a_value_that_somebody_holds_comes_back_itself() -> None:
 
 
 def test_what_was_passed_is_not_compared_again(monkeypatch: pytest.MonkeyPatch) -> None:
-    """What makes one moment of its neighbour is turned around; only at the turns of the way, where
-    moments are whole, is anything compared.
+    """What makes one moment of its neighbour is turned around, and gives the same bits both ways;
+    only at the turns of the way, where moments are whole, is anything compared.
     """
     curve = wave()
     session = session_of(curve)
+    seen = []
     for k in range(12):
+        for kind in KINDS:
+            curve.view(kind)
+        seen.append(bits(curve))
         step(session, k, k % 3)
+    seen.append(bits(curve))
     compared: list[int] = []
     between = history.between
 
@@ -206,6 +211,7 @@ def test_what_was_passed_is_not_compared_again(monkeypatch: pytest.MonkeyPatch) 
         compared.clear()
         for _ in range(12):
             travel()
+            assert bits(curve) == seen[session.undoable]
         assert len(compared) <= history.NEAR + 1
     session.undo(6)
     step(session, 1, 0)
