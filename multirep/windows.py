@@ -92,6 +92,8 @@ class Window:
 
     def refreshed(self, target: Interval) -> Interval:
         """Return what is up to date after a splice on ``target``: all but the aprons."""
+        if not self.cut:
+            return target
         (a, b), (low, high) = self.fresh, self.stale
         return Interval(a if low < a else target.start, b if b < high else target.stop)
 
