@@ -225,7 +225,7 @@ def _held_together(
     assert apart.patch is not None
     made, back = there.patched(apart.patch)
     known = left()
-    return Held(made if known is None else known, stale), _HeldBetween(back, apart.stale)
+    return Held(made if known is None else known, stale), _HeldBetween(back or b"", apart.stale)
 
 
 # -- authors ---------------------------------------------------------------------------------------

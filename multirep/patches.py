@@ -58,7 +58,7 @@ def patch_of(arrays: Sequence[BlockArray], base: Sequence[BlockArray]) -> bytes 
             if mine.row_shape != theirs.row_shape:
                 return None
             low, high, other = mine.difference(theirs)
-            if max(high, other) - low > _MOST or other >= _LONGEST:
+            if high - low > _MOST or other >= _LONGEST:
                 return None
             marks.append(_MARK.pack(low, other - low, high - low))
             if low < high:
@@ -66,24 +66,28 @@ def patch_of(arrays: Sequence[BlockArray], base: Sequence[BlockArray]) -> bytes 
     return b"".join(marks + parts)
 
 
-def patched(base: Sequence[BlockArray], patch: bytes) -> tuple[tuple[BlockArray, ...], bytes]:
+def patched(
+    base: Sequence[BlockArray], patch: bytes
+) -> tuple[tuple[BlockArray, ...], bytes | None]:
     """Return the arrays that gave ``patch`` beside ``base``, bit for bit, and the patch back.
 
     They share with ``base`` all blocks in which nothing differs, and arrays that are the same.
-    O(rows in both patches), as for `BlockArray.replaced`.
+    There is no patch back where that would be no small thing. O(rows in both patches), as for
+    `BlockArray.replaced`.
     """
     made, marks, parts = [], [], []
-    at = _MARK.size * len(base)
+    at, most = _MARK.size * len(base), 0
     for array, (low, gone, come) in zip(base, _MARK.iter_unpack(patch[:at]), strict=True):
         marks.append(_MARK.pack(low, come, gone))
         if gone or come:
             rows = np.ndarray((come, *array.row_shape), np.float64, patch, at)
             at += rows.nbytes
-            if gone:
+            if 0 < gone <= _MOST:
                 parts.append(array.window(low, low + gone).tobytes())
+            most = max(most, gone)
             array = array.replaced(low, low + gone, rows)
         made.append(array)
-    return tuple(made), b"".join(marks + parts)
+    return tuple(made), b"".join(marks + parts) if most <= _MOST else None
 
 
 def replacement(patch: bytes) -> tuple[int, int, int]:

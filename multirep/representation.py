@@ -160,7 +160,7 @@ class Representation(abc.ABC):
         """
         return None
 
-    def patched(self, patch: bytes) -> tuple[Self, bytes]:
+    def patched(self, patch: bytes) -> tuple[Self, bytes | None]:
         """Return the value that gave ``patch`` beside this one, bit for bit; and the patch back."""
         raise NotImplementedError(f"{self.name} makes no patches")
 

@@ -206,7 +206,7 @@ class NurbsValue(SplineCurve):
             return None
         return patch_of(mine, theirs)
 
-    def patched(self, patch: bytes) -> tuple[Self, bytes]:
+    def patched(self, patch: bytes) -> tuple[Self, bytes | None]:
         """Return the value that gave ``patch`` beside this one; O(control points in the patch)."""
         (knots, points, *weights), back = patched(self._stored, patch)
         value = self._with(knots=knots, points=points, weights=weights[0] if weights else None)

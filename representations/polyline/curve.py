@@ -253,7 +253,7 @@ class Polyline(Representation):
         same = self.domain == other.domain
         return patch_of((self.t, self.points), (other.t, other.points)) if same else None
 
-    def patched(self, patch: bytes) -> tuple[Self, bytes]:
+    def patched(self, patch: bytes) -> tuple[Self, bytes | None]:
         """Return the value that gave ``patch`` beside this one; O(vertices in the patch)."""
         arrays, back = patched((self.t, self.points), patch)
         return self._with(*arrays), back

@@ -171,7 +171,7 @@ class WaveletBSpline(SplineCurve):
         """Return what makes this value of ``other``; see `Representation.patch`."""
         return self._graded.patch(other._graded)
 
-    def patched(self, patch: bytes) -> tuple[Self, bytes]:
+    def patched(self, patch: bytes) -> tuple[Self, bytes | None]:
         """Return the value that gave ``patch`` beside this one; O(control points in the patch)."""
         graded, back = self._graded.patched(patch)
         return self._of(graded, self._known), back

@@ -140,7 +140,7 @@ class Graded:
         arrays = patch_of((self.u, self.points), (other.u, other.points))
         return None if arrays is None else _MAGNITUDE.pack(self.magnitude) + arrays
 
-    def patched(self, patch: bytes) -> tuple[Graded, bytes]:
+    def patched(self, patch: bytes) -> tuple[Graded, bytes | None]:
         """Return the curve that gave ``patch`` beside this one, and the patch back."""
         (magnitude,) = _MAGNITUDE.unpack_from(patch)
         patch = patch[_MAGNITUDE.size :]
@@ -151,7 +151,7 @@ class Graded:
             counts = counts + level_counts(u.window(low, low + come))
             counts -= level_counts(self.u.window(low, low + gone))
         made = Graded(self.domain, u, points, counts, magnitude)
-        return made, _MAGNITUDE.pack(self.magnitude) + back
+        return made, None if back is None else _MAGNITUDE.pack(self.magnitude) + back
 
     def refined(self, u: Array) -> Graded:
         """Return the same curve with more knots.

@@ -24,7 +24,7 @@ from multirep.errors import MultirepError
 from multirep.representations import Nurbs, Polyline, WaveletBSpline
 from multirep.state import State
 from multirep.testing.loopback import LoopbackRepresentation
-from multirep.tools import MoveControlPoint, MoveVertex, Sweep
+from multirep.tools import MoveControlPoint, MoveVertex, Oversketch, Sweep
 
 KINDS = (Polyline, Nurbs, WaveletBSpline)
 
@@ -302,13 +302,14 @@ def test_a_patch_makes_one_version_of_another(data: st.DataObject, columns: int,
     for mine, base in ((one, two), (two, one), (one, one)):
         patch = patches.patch_of((mine, still), (base, still))
         assert patch is not None
-        made = base
+        made, back = base, patch
         for end in (mine, base):
-            (made, same), patch = patches.patched((made, still), patch)
+            assert back is not None
+            (made, same), back = patches.patched((made, still), back)
             assert np.asarray(made).tobytes() == np.asarray(end).tobytes()
             assert made.shape == end.shape
             assert same is still
-        assert patch == patches.patch_of((mine, still), (base, still))
+        assert back == patch
 
 
 @given(data=st.data())
@@ -325,6 +326,7 @@ def test_a_wavelet_is_made_again_with_all_that_it_counts(data: st.DataObject) ->
         patch = mine.patch(base)
         assert patch is not None
         there, back = base.patched(patch)
+        assert back is not None
         here, _ = there.patched(back)
         for made, graded in ((there._graded, mine._graded), (here._graded, base._graded)):
             assert made.magnitude == graded.magnitude
@@ -355,3 +357,31 @@ def test_versions_that_differ_in_much_or_in_kind_have_no_patch() -> None:
     two = one.replaced(5, 6, [1.0]).replaced(4000, 4001, [1.0])
     assert patches.patch_of((one,), (two,)) is None
     assert patches.patch_of((one,), (mr.BlockArray.of(np.zeros((3, 2))),)) is None
+    few = one.replaced(5, 4000, [])
+    patch = patches.patch_of((few,), (one,))
+    assert patch is not None
+    [made], back = patches.patched((one,), patch)
+    assert len(made) == len(few)
+    assert back is None
+
+
+def test_much_that_comes_and_goes_in_a_step_comes_back(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Where many rows come, or go, values are kept themselves, and others as patches."""
+    monkeypatch.setattr(patches, "_MOST", 12)
+    curve = wave(300)
+    session = session_of(curve)
+    seen = []
+    sketch = [[0.1 * k, 0.3] for k in range(60)]
+    for k in range(9):
+        for kind in KINDS:
+            curve.view(kind)
+        seen.append(bits(curve))
+        if k % 3 == 1:
+            session.apply("wave", Oversketch(stroke=sketch if k % 2 else sketch[10:50]))
+        else:
+            step(session, k, 0)
+    seen.append(bits(curve))
+    for travel in (session.undo, session.redo, session.undo, session.redo):
+        for _ in range(9):
+            travel()
+            assert bits(curve) == seen[session.undoable]
