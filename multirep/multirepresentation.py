@@ -179,17 +179,17 @@ class MultiRepresentation:
             does on a KeyboardInterrupt or whatever a listener raises.
         """
         name = self._name(kind)
-        region = _region(where, self.domain)
-        held = self._state.held[name]
+        state = self._state
+        held = state.held[name]
+        region = _region(where, self.domain) if held.stale else SpliceList.EMPTY
         if held.value is not None and not held.stale.intersects(region):
             self._emit(Skipped(name, "up to date"))
             return held.value
         kept = self._kinds[name]
-        state = bring_up_to_date(self._state, kept, region, self._emit, self._sample)
-        self._state = state.looked(name, None if where is None else region)
-        value = self._state.held[name].value
-        assert value is not None
-        return value
+        held = bring_up_to_date(state, kept, region, self._emit, self._sample)
+        self._state = state.looked(name, None if where is None else region, held)
+        assert held.value is not None
+        return held.value
 
     def deviation(
         self,

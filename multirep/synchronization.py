@@ -63,8 +63,8 @@ def bring_up_to_date(
     where: SpliceList,
     emit: Callable[[Event], None],
     sample: Sampler = sample_author,
-) -> State:
-    """Return the state in which ``kind`` follows the authors on ``where``.
+) -> Held:
+    """Return what is held of ``kind`` when it follows the authors on ``where``.
 
     Cost: that of what is stale on ``where``, see :mod:`multirep.windows`; a first view of most of T
     fits all of it.
@@ -85,17 +85,15 @@ def bring_up_to_date(
             heard.append(error)
             raise
 
+    held = state.held[kind.name]
     try:
-        if state.held[kind.name].value is None:
+        if held.value is None:
             begun = _begun(state, kind, where, told)
             if begun is None:
-                fitted = _first_fit(state, kind, told, sample)
-                return state.with_held(kind.name, Held(fitted, SpliceList.EMPTY))
-            state = state.with_held(kind.name, begun)
-        held = state.held[kind.name]
-        for job in _jobs(state, kind.name, where):
+                return Held(_first_fit(state, kind, told, sample), SpliceList.EMPTY)
+            held = begun
+        for job in _jobs(state, kind.name, held.stale, where):
             held = _splice_in(state, kind, held, job, told, sample)
-            state = state.with_held(kind.name, held)
     except MultirepError:
         raise
     except Exception as error:
@@ -105,7 +103,7 @@ def bring_up_to_date(
             f"bringing {kind.name!r} up to date failed with {type(error).__name__}: {error}",
             kind.name,
         ) from error
-    return state
+    return held
 
 
 def _begun(
@@ -125,13 +123,13 @@ def _begun(
     return Held(value, everywhere)
 
 
-def _jobs(state: State, name: str, where: SpliceList) -> Iterator[Window]:
+def _jobs(state: State, name: str, stale: SpliceList, where: SpliceList) -> Iterator[Window]:
     """Windows to work on; whole stale splices that are closer than they are long go together.
 
     Not across what is frozen or what ``name`` itself authored: that must not be fitted anew.
     """
     job: Window | None = None
-    for asked in windows(state.held[name].stale, where, state.authors.domain):
+    for asked in windows(stale, where, state.authors.domain):
         window = worthwhile(state, asked, delta=hop(state.tolerance)) if asked.cut else asked
         if job is not None:
             window = window.after(job.fresh.stop)

@@ -76,7 +76,7 @@ class Window:
     @property
     def cut(self) -> bool:
         """Whether stale curve is left on some side."""
-        return self.fresh != self.stale
+        return self.fresh is not self.stale and self.fresh != self.stale
 
     def target(self) -> Interval:
         """Return the least that a splice must cover: the window and its aprons."""
