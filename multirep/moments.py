@@ -48,24 +48,16 @@ class Moment:
 
 
 @attrs.frozen(eq=False, weakref_slot=False)
-class CurveBetween:
-    """What differs between the states of a curve in two moments; None for what is the same."""
+class _CurveBetween:
+    """What differs between the states of a curve beside the values; None for what is the same."""
 
     curve: str
-    held: tuple[_HeldBetween | None, ...]
+    #: Of each kind.
+    stale: tuple[tuple[SpliceList, SpliceList] | None, ...]
     authors: _AuthorsBetween | tuple[AuthorMap, AuthorMap] | None
     #: Other fields of the state: name, and both.
     others: tuple[tuple[str, Any, Any], ...]
     constraints: tuple[Mapping[str, Any], Mapping[str, Any]] | None
-
-
-@attrs.frozen(eq=False, weakref_slot=False)
-class _HeldBetween:
-    """What differs between two held values of a kind."""
-
-    #: Makes one of the other; None where both are the same, empty where nothing is in common.
-    patch: bytes | None
-    stale: tuple[SpliceList, SpliceList] | None
 
 
 @attrs.frozen(eq=False, weakref_slot=False)
@@ -78,14 +70,19 @@ class _AuthorsBetween:
 
 _Stretches: TypeAlias = tuple[tuple[float, ...], tuple[str, ...]]
 
+#: What makes the value of each kind of that of the neighbour: None where both are the same object,
+#: empty where nothing does.
+_Patches: TypeAlias = tuple[bytes | None, ...]
+
 
 @attrs.frozen(eq=False, weakref_slot=False)
 class Between:
-    """What differs between two neighbours, and which of them it makes of the other."""
+    """What differs between two neighbours, and what makes the values of one of the other's."""
 
     makes: Side
     #: Those that differ.
-    curves: tuple[CurveBetween, ...]
+    curves: tuple[_CurveBetween, ...]
+    patches: tuple[_Patches, ...]
 
 
 #: What is left of a moment far away, for each of the curves that differ and each kind: the value as
@@ -101,20 +98,24 @@ def between(earlier: Moment, later: Moment, makes: Side) -> Between | None:
     if not _same(earlier.curves, later.curves):
         return None
     states = zip(earlier.states.items(), later.states.values(), strict=True)
-    curves = [
-        _curve_between(name, one, two, makes)
+    pairs = [
+        (name, one, two)
         for (name, one), two in states
         if one.state is not two.state or not _same(one.constraints, two.constraints)
     ]
-    return Between(makes, tuple(curves))
+    curves = tuple([_curve_between(*pair) for pair in pairs])
+    patches = [
+        _patches(two, one) if makes == LATER else _patches(one, two) for _, one, two in pairs
+    ]
+    return Between(makes, curves, tuple(patches))
 
 
 def faded(moment: Moment, apart: Between) -> Faded:
     """Return what must be kept of a moment beside what makes it of its neighbour."""
     return tuple(
         [
-            tuple(map(_left, moment.states[one.curve].state.held.values(), one.held))
-            for one in apart.curves
+            tuple(map(_left, moment.states[one.curve].state.held.values(), patches))
+            for one, patches in zip(apart.curves, apart.patches, strict=True)
         ]
     )
 
@@ -122,15 +123,13 @@ def faded(moment: Moment, apart: Between) -> Faded:
 def together(apart: Between, left: Faded, neighbour: Moment) -> tuple[Moment, Between]:
     """Return a moment, made of its neighbour bit for bit, and what makes that one of it."""
     states, turned = dict(neighbour.states), []
-    for one, kept in zip(apart.curves, left, strict=True):
-        state, back = _state_together(one, kept, states[one.curve], apart.makes)
-        states[one.curve] = state
+    for one, patches, kept in zip(apart.curves, apart.patches, left, strict=True):
+        there = states[one.curve]
+        held, back = _held_together(one, patches, kept, there.state.held, apart.makes)
+        states[one.curve] = _state_together(one, held, there, apart.makes)
         turned.append(back)
-    return Moment(neighbour.curves, states), Between(_other(apart.makes), tuple(turned))
-
-
-def _other(side: Side) -> Side:
-    return LATER if side == EARLIER else EARLIER
+    side: Side = LATER if apart.makes == EARLIER else EARLIER
+    return Moment(neighbour.curves, states), Between(side, apart.curves, tuple(turned))
 
 
 def _same(one: Mapping[str, object], two: Mapping[str, object]) -> bool:
@@ -146,40 +145,30 @@ _OTHERS = ("tolerance", "claims", "frozen", "added", "preparations", "looks")
 _others_of = attrgetter(*_OTHERS)
 
 
-def _curve_between(curve: str, earlier: CurveState, later: CurveState, makes: Side) -> CurveBetween:
+def _curve_between(curve: str, earlier: CurveState, later: CurveState) -> _CurveBetween:
     one, two = earlier.state, later.state
-    pairs = zip(one.held.values(), two.held.values(), strict=True)
-    held = tuple([_held_between(*pair, makes) for pair in pairs])
+    stale = [
+        None if mine.stale == theirs.stale else (mine.stale, theirs.stale)
+        for mine, theirs in zip(one.held.values(), two.held.values(), strict=True)
+    ]
+    authors = _authors_between(one.authors, two.authors)
     fields = zip(_OTHERS, _others_of(one), _others_of(two), strict=True)
     others = tuple([field for field in fields if field[1] is not field[2]])
     if others and others[-1][0] == "looks" and _as_data(one.looks) == _as_data(two.looks):
         others = others[:-1]
     same = _same(earlier.constraints, later.constraints)
     constraints = None if same else (earlier.constraints, later.constraints)
-    return CurveBetween(
-        curve, held, _authors_between(one.authors, two.authors), others, constraints
-    )
+    return _CurveBetween(curve, tuple(stale), authors, others, constraints)
 
 
 def _state_together(
-    apart: CurveBetween,
-    left: tuple[ref[Representation] | Held | None, ...],
-    neighbour: CurveState,
-    side: Side,
-) -> tuple[CurveState, CurveBetween]:
-    state = neighbour.state
-    held, turned = {}, []
-    for one, kept, (name, there) in zip(apart.held, left, state.held.items(), strict=True):
-        held[name], back = _held_together(one, kept, there, side)
-        turned.append(back)
-    state = state.with_values(held, _authors_together(apart.authors, state.authors, side))
+    apart: _CurveBetween, held: Mapping[str, Held], neighbour: CurveState, side: Side
+) -> CurveState:
+    there, pair = neighbour.state, apart.constraints
+    state = there.with_values(held, _authors_together(apart.authors, there.authors, side))
     if apart.others:
         state = attrs.evolve(state, **{name: values[side] for name, *values in apart.others})
-    pair = apart.constraints
-    made = CurveState(state, neighbour.constraints if pair is None else pair[side])
-    return made, CurveBetween(
-        apart.curve, tuple(turned), apart.authors, apart.others, apart.constraints
-    )
+    return CurveState(state, neighbour.constraints if pair is None else pair[side])
 
 
 def _as_data(looks: tuple[Look, ...]) -> list[tuple[str, SpliceList | None]]:
@@ -190,42 +179,52 @@ def _as_data(looks: tuple[Look, ...]) -> list[tuple[str, SpliceList | None]]:
 # -- what is held ----------------------------------------------------------------------------------
 
 
-def _held_between(earlier: Held, later: Held, makes: Side) -> _HeldBetween | None:
-    one, two = earlier.value, later.value
-    stale = None if earlier.stale == later.stale else (earlier.stale, later.stale)
-    if one is two:
-        return None if stale is None else _HeldBetween(None, stale)
-    if one is None or two is None or type(one) is not type(two):
-        return _HeldBetween(b"", stale)
-    patch = one.patch(two) if makes == EARLIER else two.patch(one)
-    return _HeldBetween(patch or b"", stale)
+def _patches(mine: CurveState, other: CurveState) -> _Patches:
+    pairs = zip(mine.state.held.values(), other.state.held.values(), strict=True)
+    return tuple([_patch(one.value, two.value) for one, two in pairs])
 
 
-def _left(held: Held, apart: _HeldBetween | None) -> ref[Representation] | Held | None:
-    if apart is None or apart.patch is None:
+def _patch(value: Representation | None, other: Representation | None) -> bytes | None:
+    if value is other:
         return None
-    return ref(held.value) if apart.patch and held.value is not None else held
+    if value is None or other is None or type(value) is not type(other):
+        return b""
+    return value.patch(other) or b""
+
+
+def _left(held: Held, patch: bytes | None) -> ref[Representation] | Held | None:
+    if patch is None:
+        return None
+    return ref(held.value) if patch and held.value is not None else held
 
 
 def _held_together(
-    apart: _HeldBetween | None,
-    left: ref[Representation] | Held | None,
-    neighbour: Held,
+    apart: _CurveBetween,
+    patches: _Patches,
+    left: tuple[ref[Representation] | Held | None, ...],
+    neighbour: Mapping[str, Held],
     side: Side,
-) -> tuple[Held, _HeldBetween | None]:
-    if apart is None:
-        return neighbour, None
-    if isinstance(left, Held):
-        return left, apart
-    stale = neighbour.stale if apart.stale is None else apart.stale[side]
-    there = neighbour.value
-    if left is None:
-        return Held(there, stale), apart
-    assert there is not None
-    assert apart.patch is not None
-    made, back = there.patched(apart.patch)
-    known = left()
-    return Held(made if known is None else known, stale), _HeldBetween(back or b"", apart.stale)
+) -> tuple[dict[str, Held], _Patches]:
+    """Return what was held, made of what the neighbour holds, and the patches back."""
+    made: dict[str, Held] = {}
+    turned: list[bytes | None] = []
+    kinds = zip(neighbour.items(), apart.stale, patches, left, strict=True)
+    for (name, there), stale, patch, kept in kinds:
+        back = patch
+        if isinstance(kept, Held):
+            made[name] = kept
+        elif stale is None and patch is None:
+            made[name] = there
+        else:
+            value = there.value
+            if patch and value is not None and kept is not None:
+                value, small = value.patched(patch)
+                back = small or b""
+                known = kept()
+                value = value if known is None else known
+            made[name] = Held(value, there.stale if stale is None else stale[side])
+        turned.append(back)
+    return made, tuple(turned)
 
 
 # -- authors ---------------------------------------------------------------------------------------
