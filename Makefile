@@ -49,11 +49,11 @@ bench-full: $(VENV)/bench.stamp
 bench-check: $(VENV)/bench.stamp
 	$(BIN)/python -m benchmarks check
 
-$(VENV)/demo.stamp: pyproject.toml setup.py $(wildcard core/*) | $(VENV)/pip.stamp
+$(VENV)/demo.stamp: pyproject.toml setup.py $(wildcard core/*) multirep/splines/_core.pyi | $(VENV)/pip.stamp
 	PYTHONWARNINGS=ignore $(BIN)/python -m pip install -q -e .
 	@touch $@
 
-$(VENV)/test.stamp: pyproject.toml setup.py $(wildcard core/*) | $(VENV)/pip.stamp
+$(VENV)/test.stamp: pyproject.toml setup.py $(wildcard core/*) multirep/splines/_core.pyi | $(VENV)/pip.stamp
 	PYTHONWARNINGS=ignore $(BIN)/python -m pip install -q -e . --group test --group lint --group types
 	@touch $@ $(VENV)/demo.stamp
 

@@ -50,9 +50,17 @@ static PyMethodDef methods[] = {
     {NULL, NULL, 0, NULL},
 };
 
+/* A checksum of the _core.pyi that this was built with; setup.py gives it. */
+static int stamp(PyObject *module)
+{
+    return PyModule_AddIntConstant(module, "INTERFACE", CORE_INTERFACE);
+}
+
+static PyModuleDef_Slot module_slots[] = {{Py_mod_exec, (void *)stamp}, {0, NULL}};
+
 static struct PyModuleDef definition = {
     PyModuleDef_HEAD_INIT, .m_name = "_core", .m_doc = "Splines, compiled.", .m_size = 0,
-    .m_methods = methods,
+    .m_methods = methods, .m_slots = module_slots,
 };
 
 PyMODINIT_FUNC PyInit__core(void) { return PyModuleDef_Init(&definition); }

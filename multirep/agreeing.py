@@ -73,7 +73,7 @@ def fitted_closely(
             done = bring_up_to_date(task, type(held.value), stale, emit)
         except ToleranceError:
             continue
-        state = state.with_held(name, Held(done.held[name].value, held.stale))
+        state = state.with_held(name, Held(done.value, held.stale))
     return state
 
 

@@ -44,6 +44,8 @@ class AuthorMap:
         """Return the stretches of ``interval`` in order, each with its author."""
         i = max(bisect_right(self.starts, interval.start) - 1, 0)
         j = max(bisect_left(self.starts, interval.stop), i + 1)
+        if j == i + 1:  # one author, as in most steps of a drag
+            return ((interval, self.names[i]),)
         marks = [interval.start, *self.starts[i + 1 : j], interval.stop]
         pieces = zip(marks, marks[1:], self.names[i:j], strict=False)
         return tuple((Interval(a, b), name) for a, b, name in pieces)

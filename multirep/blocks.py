@@ -100,6 +100,11 @@ class BlockArray(NDArrayOperatorsMixin):
         return (len(self), *self._tail)
 
     @property
+    def row_shape(self) -> tuple[int, ...]:
+        """() or (d,)."""
+        return self._tail
+
+    @property
     def ndim(self) -> int:
         """1 or 2."""
         return 1 + len(self._tail)

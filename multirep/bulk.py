@@ -95,6 +95,7 @@ def composed_in_pieces(
 
 def controls_on(state: State, interval: Interval) -> int:
     """About how many controls the authors have on an interval, were those of each evenly spread."""
-    stretches = state.authors.segments(interval)
-    controls = sum([state.author_value(name).size * stretch.length for stretch, name in stretches])
+    controls = 0.0
+    for stretch, name in state.authors.segments(interval):
+        controls += state.author_value(name).size * stretch.length
     return math.ceil(controls / state.authors.domain.length)

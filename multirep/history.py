@@ -1,250 +1,152 @@
-"""The moments that a session can go back or forth to: the nearest whole, the others as differences.
+"""The moments that a session can go back or forth to, and where among them it is.
 
-A state shares with its neighbours all that did not change, but in blocks: a thousand steps that
-move a vertex each would keep a thousand blocks. Nobody looks at a state far away, and whoever goes
-there passes all between: so it is kept as what makes it of the next one on the way (Baker's trick,
-H. Baker, "Shallow binding makes functional arrays fast", 1991; a zipper of differences).
+Those near the present are whole, the others faded to what differs between neighbours
+(:mod:`multirep.moments`): whoever goes there passes all between, and what comes near becomes whole
+again.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from operator import is_
-from typing import Any, TypeAlias
-from weakref import ref
+from multirep.moments import (
+    EARLIER,
+    LATER,
+    Between,
+    Faded,
+    Moment,
+    Side,
+    between,
+    faded,
+    together,
+)
 
-import attrs
+__all__ = ["History"]
 
-from multirep.authors import AuthorMap
-from multirep.framework import CurveState
-from multirep.multirepresentation import MultiRepresentation
-from multirep.representation import Representation
-from multirep.runs import shared_ends
-from multirep.splices import SpliceList
-from multirep.state import Held, Look, State
-
-__all__ = ["Moment", "Trail"]
-
-#: So many moments are kept whole. More take more memory, tens of kilobytes each; fewer make an undo
-#: here and there cost more than passing on a reference.
+#: So many moments before the present, and behind it, are kept whole, one at least. More take more
+#: memory, tens of kilobytes each, which is slow until it is used again; fewer make an undo here and
+#: there cost more than passing on a reference.
 NEAR = 4
-#: So many of those that were undone: they will be redone or dropped soon, and undoing more than a
-#: few steps need not pay for that.
-UNDONE = 64
 
 
-@attrs.frozen(eq=False)
-class Moment:
-    """Which curves there were, and their states."""
+class History:
+    """All moments of a session in the order of time.
 
-    curves: Mapping[str, MultiRepresentation]
-    states: Mapping[str, CurveState]
-
-
-class Trail:
-    """Moments in one direction of time, the nearest to the present last.
-
-    What comes back is bit-identical to what was put in; a value that somebody still holds comes
-    back as the same object.
-
-    Parameters
-    ----------
-    near : int, optional
-        How many moments are kept whole; default `NEAR`.
+    What comes back is bit-identical to what was there; a value that somebody still holds comes back
+    as the same object.
 
     Examples
     --------
-    >>> trail = Trail()
+    >>> history = History()
     >>> for _ in range(9):
-    ...     trail.push(Moment({}, {}))
-    >>> moment = trail.pop()
-    >>> len(trail)
-    8
+    ...     history.step(Moment({}, {}))
+    >>> moment = history.travel(Moment({}, {}), -3)
+    >>> history.undoable, history.redoable
+    (6, 3)
     """
 
-    def __init__(self, near: int | None = None) -> None:
-        self._most = NEAR if near is None else near
-        self._far: list[Moment | tuple[_Apart, ...]] = []
-        self._near: list[Moment] = []
+    def __init__(self) -> None:
+        self.begin(Moment({}, {}))
 
-    def __len__(self) -> int:
-        return len(self._far) + len(self._near)
+    def begin(self, start: Moment) -> None:
+        """Make a moment all that there is, the one before the first present; nobody goes there."""
+        #: None for the present as long as nobody has left it.
+        self._moments: list[Moment | Faded | None] = [start, None]
+        #: What makes one of each moment and the next of the other, once it was asked for.
+        self._between: list[Between | None] = [None]
+        self._at = 1
 
-    def push(self, moment: Moment) -> None:
-        """Put in the moment that is nearest to the present from now on; O(what changed)."""
-        self._near.append(moment)
-        if len(self._near) > self._most:
-            self._far.append(_apart(self._near[0], self._near[1]))
-            del self._near[0]
+    @property
+    def undoable(self) -> int:
+        """How many steps lead to the present."""
+        return self._at - 1
 
-    def pop(self) -> Moment:
-        """Take out the moment nearest to the present; O(what changed)."""
-        moment = self._near[-1]
-        if self._far and len(self._near) == 1:
-            self._near.insert(0, _together(self._far[-1], moment))
-            del self._far[-1]
-        return self._near.pop()
+    @property
+    def redoable(self) -> int:
+        """How many steps lead on from the present."""
+        return len(self._moments) - 1 - self._at
 
-    def farthest(self) -> Moment:
-        """Return the moment at the far end; O(all changes on the way)."""
-        moment = self._near[0]
-        for apart in reversed(self._far):
-            moment = _together(apart, moment)
+    def step(self, present: Moment) -> None:
+        """Leave the present, which was like this, by a new step; O(what changed).
+
+        What could have been redone is dropped.
+        """
+        self._settle(present)
+        del self._moments[self._at + 1 :], self._between[self._at :]
+        self._moments.append(None)
+        self._between.append(None)
+        self._at += 1
+        self._fade(self._at - 1 - NEAR, EARLIER)
+
+    def travel(self, present: Moment, steps: int) -> Moment:
+        """Leave the present, which was like this, for an earlier or a later moment.
+
+        Parameters
+        ----------
+        present : Moment
+        steps : int
+            Backward if negative; no more than there are.
+
+        Returns
+        -------
+        Moment
+            The one there. O(what changed on the way).
+        """
+        self._settle(present)
+        for _ in range(-steps):
+            self._at -= 1
+            self._make(self._at - 1, EARLIER)
+            self._fade(self._at + 1 + NEAR, LATER)
+        for _ in range(steps):
+            self._at += 1
+            self._make(self._at + 1, LATER)
+            self._fade(self._at - 1 - NEAR, EARLIER)
+        return self._whole(self._at)
+
+    def start(self) -> Moment:
+        """Return the moment that all began with; O(all changes on the way)."""
+        there = self._whole(self._at - 1)
+        for at in reversed(range(self._at - 1)):
+            there, _ = self._made(at, EARLIER, there)
+        return there
+
+    # What follows keeps the neighbours of the present whole: there, everything can be made anew.
+
+    def _settle(self, present: Moment) -> None:
+        """Take note of how the present is left: somebody may have looked at something."""
+        known = self._moments[self._at]
+        if not (isinstance(known, Moment) and known.is_same(present)):
+            self._moments[self._at] = present
+            self._between[self._at - 1 : self._at + 1] = [None] * (1 + (self.redoable > 0))
+
+    def _make(self, at: int, side: Side) -> None:
+        """Make a moment whole if there is one; it is on this side of a whole neighbour."""
+        if 0 <= at < len(self._moments):
+            made = self._made(at, side, self._whole(at + 1 - 2 * side))
+            self._moments[at], self._between[at - side] = made
+
+    def _made(self, at: int, side: Side, neighbour: Moment) -> tuple[Moment, Between | None]:
+        left, apart = self._moments[at], self._between[at - side]
+        if isinstance(left, Moment):
+            return left, apart
+        assert left is not None
+        assert apart is not None
+        assert apart.makes == side
+        return together(apart, left, neighbour)
+
+    def _whole(self, at: int) -> Moment:
+        moment = self._moments[at]
+        assert isinstance(moment, Moment)
         return moment
 
-    def clear(self) -> None:
-        """Forget all moments."""
-        self._far.clear()
-        self._near.clear()
-
-
-# -- moments ---------------------------------------------------------------------------------------
-
-
-@attrs.frozen(eq=False, weakref_slot=False)
-class _Apart:
-    """What makes the state of a curve of that in the next moment; None for what is the same."""
-
-    curve: str
-    held: tuple[_HeldApart | Held | None, ...]
-    authors: _AuthorsApart | AuthorMap | None
-    #: Other fields of the state, by name.
-    others: tuple[tuple[str, Any], ...]
-    constraints: Mapping[str, Any] | None
-
-
-def _apart(moment: Moment, base: Moment) -> Moment | tuple[_Apart, ...]:
-    """Return what makes a moment of the next one; itself where there were other curves."""
-    if not (_same(moment.curves, base.curves) and tuple(moment.states) == tuple(base.states)):
-        return moment
-    return tuple(
-        _state_apart(name, one, two)
-        for (name, one), two in zip(moment.states.items(), base.states.values(), strict=True)
-        if one.state is not two.state or not _same(one.constraints, two.constraints)
-    )
-
-
-def _same(one: Mapping[str, object], two: Mapping[str, object]) -> bool:
-    """Whether two mappings have the same objects in the same order."""
-    return tuple(one) == tuple(two) and all(map(is_, one.values(), two.values()))
-
-
-def _together(apart: Moment | tuple[_Apart, ...], base: Moment) -> Moment:
-    if isinstance(apart, Moment):
-        return apart
-    states = dict(base.states)
-    for one in apart:
-        states[one.curve] = _state_together(one, states[one.curve])
-    return Moment(base.curves, states)
-
-
-# -- states ----------------------------------------------------------------------------------------
-
-_OTHERS = tuple(
-    field.name for field in attrs.fields(State) if field.name not in ("held", "authors")
-)
-
-
-def _state_apart(curve: str, one: CurveState, two: CurveState) -> _Apart:
-    state, base = one.state, two.state
-    held = tuple(map(_held_apart, state.held.values(), base.held.values()))
-    authors = _authors_apart(state.authors, base.authors)
-    constraints = None if _same(one.constraints, two.constraints) else one.constraints
-    others = [
-        (name, mine)
-        for name in _OTHERS
-        if (mine := getattr(state, name)) is not getattr(base, name)
-    ]
-    if _as_data(state.looks) == _as_data(base.looks):
-        others = [(name, mine) for name, mine in others if name != "looks"]
-    return _Apart(curve, held, authors, tuple(others), constraints)
-
-
-def _state_together(apart: _Apart, base: CurveState) -> CurveState:
-    state = base.state
-    kinds = zip(state.held.items(), apart.held, strict=True)
-    held = {name: _held_together(one, two) for (name, two), one in kinds}
-    authors = _authors_together(apart.authors, state.authors)
-    others = {name: getattr(state, name) for name in _OTHERS} | dict(apart.others)
-    constraints = base.constraints if apart.constraints is None else apart.constraints
-    return CurveState(State(held=held, authors=authors, **others), constraints)
-
-
-def _as_data(looks: tuple[Look, ...]) -> list[tuple[str, SpliceList | None]]:
-    """Return looks as what they say: they have no equality of their own."""
-    return [(look.kind, look.where) for look in looks]
-
-
-# -- what is held ----------------------------------------------------------------------------------
-
-
-@attrs.frozen(eq=False, weakref_slot=False)
-class _HeldApart:
-    """What makes one held value of the next one."""
-
-    #: None where the value is that of the next one.
-    patch: bytes | None
-    #: The value, as long as somebody else holds it.
-    value: ref[Representation] | None
-    #: None for that of the next one.
-    stale: SpliceList | None
-
-
-def _held_apart(held: Held, base: Held) -> _HeldApart | Held | None:
-    value, other = held.value, base.value
-    stale = None if held.stale == base.stale else held.stale
-    if value is other:  # and not kept from here: the next one has what makes it
-        return None if stale is None else _HeldApart(None, None, stale)
-    if value is None or other is None or type(value) is not type(other):
-        return held
-    patch = value.patch(other)
-    return held if patch is None else _HeldApart(patch, ref(value), stale)
-
-
-def _held_together(apart: _HeldApart | Held | None, base: Held) -> Held:
-    if apart is None:
-        return base
-    if isinstance(apart, Held):
-        return apart
-    value = base.value if apart.value is None else apart.value()
-    if value is None and base.value is not None and apart.patch is not None:
-        value = base.value.patched(apart.patch)
-    return Held(value, base.stale if apart.stale is None else apart.stale)
-
-
-# -- authors ---------------------------------------------------------------------------------------
-
-_Stretches: TypeAlias = tuple[tuple[float, ...], tuple[str, ...]]
-
-
-@attrs.frozen(eq=False, weakref_slot=False)
-class _AuthorsApart:
-    """The stretches that take the place of stretches low .. high - 1 of the next map."""
-
-    low: int
-    high: int
-    stretches: _Stretches
-
-
-def _authors_apart(authors: AuthorMap, base: AuthorMap) -> _AuthorsApart | AuthorMap | None:
-    if authors == base:
-        return None
-    if authors.domain != base.domain:
-        return authors
-    ends = [shared_ends(authors.starts, base.starts), shared_ends(authors.names, base.names)]
-    low, tail = map(min, zip(*ends, strict=True))
-    part = slice(low, len(authors.starts) - tail)
-    return _AuthorsApart(low, len(base.starts) - tail, (authors.starts[part], authors.names[part]))
-
-
-def _authors_together(apart: _AuthorsApart | AuthorMap | None, base: AuthorMap) -> AuthorMap:
-    if apart is None:
-        return base
-    if isinstance(apart, AuthorMap):
-        return apart
-    low, high, (starts, names) = apart.low, apart.high, apart.stretches
-    return AuthorMap(
-        base.domain,
-        (*base.starts[:low], *starts, *base.starts[high:]),
-        (*base.names[:low], *names, *base.names[high:]),
-    )
+    def _fade(self, at: int, side: Side) -> None:
+        """Let a moment fade if there is one; it is on this side of a whole neighbour."""
+        if not 0 <= at < len(self._moments):
+            return
+        moment, first = self._moments[at], at - side
+        if not isinstance(moment, Moment):
+            return
+        apart = self._between[first]
+        if apart is None or apart.makes != side:
+            apart = between(self._whole(first), self._whole(first + 1), side)
+            self._between[first] = apart
+        if apart is not None:  # there were the same curves
+            self._moments[at] = faded(moment, apart)

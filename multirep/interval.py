@@ -98,10 +98,10 @@ class Interval:
 
     def clipped(self, bounds: Interval) -> Interval:
         """Return the part inside ``bounds``; IntervalError when there is none."""
-        inside = self.intersection(bounds)
-        if inside is None:
+        start, stop = max(self.start, bounds.start), min(self.stop, bounds.stop)
+        if start > stop:
             raise IntervalError(f"{self} lies outside {bounds}")
-        return inside
+        return Interval(start, stop)
 
     def __str__(self) -> str:
         return f"[{self.start:g}, {self.stop:g}]"

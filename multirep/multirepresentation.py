@@ -80,7 +80,7 @@ class MultiRepresentation:
                     kind,
                 )
             self._kinds[kind.name] = kind
-        check_tolerance(curve, tolerance=tolerance)
+        check_tolerance(curve.magnitude, tolerance=tolerance)
         held = {name: Held(None, SpliceList([curve.domain])) for name in self._kinds}
         held[curve.name] = Held(curve, SpliceList.EMPTY)
         self._state = State(float(tolerance), held, AuthorMap.of(curve.domain, curve.name))
@@ -179,17 +179,17 @@ class MultiRepresentation:
             does on a KeyboardInterrupt or whatever a listener raises.
         """
         name = self._name(kind)
-        region = _region(where, self.domain)
-        held = self._state.held[name]
+        state = self._state
+        held = state.held[name]
+        region = _region(where, self.domain) if held.stale else SpliceList.EMPTY
         if held.value is not None and not held.stale.intersects(region):
             self._emit(Skipped(name, "up to date"))
             return held.value
         kept = self._kinds[name]
-        state = bring_up_to_date(self._state, kept, region, self._emit, self._sample)
-        self._state = state.looked(name, None if where is None else region)
-        value = self._state.held[name].value
-        assert value is not None
-        return value
+        held = bring_up_to_date(state, kept, region, self._emit, self._sample)
+        self._state = state.looked(name, None if where is None else region, held)
+        assert held.value is not None
+        return held.value
 
     def deviation(
         self,
@@ -232,7 +232,7 @@ class MultiRepresentation:
         held = self._state.held[name]
         if held.value is None:
             raise StaleEditError(f"{name!r} has no value yet: view it before editing it")
-        check_edit(held.value, edit, by or name)
+        magnitude = check_edit(held.value, edit, by or name)
         if not edit.splices:
             return
         if held.stale.intersects(edit.splices):
@@ -242,9 +242,9 @@ class MultiRepresentation:
             )
         if edit.splices.intersects(self._state.frozen):
             raise frozen_error(self._state, edit.splices, by or name)
-        check_tolerance(edit.value, tolerance=self.tolerance)
-        state = self._state.with_held(name, Held(edit.value, held.stale))
-        self._state = evolve_stale(state, name, edit.splices)
+        check_tolerance(magnitude, tolerance=self.tolerance)
+        changed = Held(edit.value, held.stale)
+        self._state = evolve_stale(self._state, name, changed, edit.splices)
         self._sample.edited(held.value, edit)
         self._emit(Committed(name, edit.splices))
 
@@ -286,7 +286,7 @@ class MultiRepresentation:
         if after is self._state:
             return SpliceList.EMPTY
         self._state = after
-        return SpliceList([self.domain])
+        return SpliceList.of(self.domain)
 
     @property
     def tolerance(self) -> float:
@@ -297,7 +297,7 @@ class MultiRepresentation:
     def tolerance(self, tolerance: float) -> None:
         for held in self._state.held.values():
             if held.value is not None:
-                check_tolerance(held.value, tolerance=tolerance)
+                check_tolerance(held.value.magnitude, tolerance=tolerance)
         after = with_tolerance(self._state, float(tolerance), self._emit)
         check_still(self._state, after)
         self._state = after
@@ -390,5 +390,5 @@ class MultiRepresentation:
 
 def _region(where: SpliceList | Interval | None, domain: Interval) -> SpliceList:
     if where is None:
-        return SpliceList([domain])
-    return SpliceList([where]) if isinstance(where, Interval) else where
+        return SpliceList.of(domain)
+    return SpliceList.of(where) if isinstance(where, Interval) else where

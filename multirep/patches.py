@@ -14,7 +14,7 @@ import numpy as np
 
 from multirep.blocks import BLOCK_ROWS, BlockArray
 
-__all__ = ["patch_of", "patched"]
+__all__ = ["patch_of", "patched", "replacement"]
 
 #: Rows in a patch of one array at most: where versions differ in more, or far apart, whole blocks
 #: that they share take less.
@@ -43,36 +43,57 @@ def patch_of(arrays: Sequence[BlockArray], base: Sequence[BlockArray]) -> bytes 
     >>> a = BlockArray.of([1.0, 2.0, 3.0])
     >>> b = a.replaced(1, 2, [])
     >>> patch = patch_of([a], [b])
-    >>> len(patch), np.asarray(patched([b], patch)[0])
-    (20, array([1., 2., 3.]))
+    >>> [made], back = patched([b], patch)
+    >>> len(patch), len(back), np.asarray(made)
+    (20, 12, array([1., 2., 3.]))
+    >>> [made], _ = patched([made], back)
+    >>> np.asarray(made)
+    array([1., 3.])
     """
     marks, parts = [], []
     for mine, theirs in zip(arrays, base, strict=True):
         if mine is theirs:
             marks.append(_SAME)
         else:
-            if mine.shape[1:] != theirs.shape[1:]:
+            if mine.row_shape != theirs.row_shape:
                 return None
             low, high, other = mine.difference(theirs)
-            if high - low > _MOST or max(len(mine), len(theirs)) >= _LONGEST:
+            if high - low > _MOST or other >= _LONGEST:
                 return None
             marks.append(_MARK.pack(low, other - low, high - low))
-            parts.append(mine.window(low, high).tobytes())
+            if low < high:
+                parts.append(mine.window(low, high).tobytes())
     return b"".join(marks + parts)
 
 
-def patched(base: Sequence[BlockArray], patch: bytes) -> tuple[BlockArray, ...]:
-    """Return the arrays that gave ``patch`` beside ``base``, bit for bit.
+def patched(
+    base: Sequence[BlockArray], patch: bytes
+) -> tuple[tuple[BlockArray, ...], bytes | None]:
+    """Return the arrays that gave ``patch`` beside ``base``, bit for bit, and the patch back.
 
     They share with ``base`` all blocks in which nothing differs, and arrays that are the same.
-    O(rows in the patch), as for `BlockArray.replaced`.
+    There is no patch back where that would be no small thing. O(rows in both patches), as for
+    `BlockArray.replaced`.
     """
-    made = []
-    at = _MARK.size * len(base)
+    made, marks, parts = [], [], []
+    at, most = _MARK.size * len(base), 0
     for array, (low, gone, come) in zip(base, _MARK.iter_unpack(patch[:at]), strict=True):
+        marks.append(_MARK.pack(low, come, gone))
         if gone or come:
-            rows = np.ndarray((come, *array.shape[1:]), np.float64, patch, at)
+            rows = np.ndarray((come, *array.row_shape), np.float64, patch, at)
             at += rows.nbytes
+            if 0 < gone <= _MOST:
+                parts.append(array.window(low, low + gone).tobytes())
+            most = max(most, gone)
             array = array.replaced(low, low + gone, rows)
         made.append(array)
-    return tuple(made)
+    return tuple(made), b"".join(marks + parts) if most <= _MOST else None
+
+
+def replacement(patch: bytes) -> tuple[int, int, int]:
+    """Return what a patch does to the first array: ``(low, gone, come)``.
+
+    Rows low .. low + gone - 1 of the base go, rows low .. low + come - 1 of the other come.
+    """
+    low, gone, come = _MARK.unpack_from(patch)
+    return low, gone, come

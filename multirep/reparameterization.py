@@ -67,7 +67,7 @@ def with_parameters(
     if state.authors.names == (name,) and before is not None and not before.changes(value):
         return state
     emit(Committed(name, everywhere))
-    return evolve_stale(state.with_held(name, Held(value, SpliceList.EMPTY)), name, everywhere)
+    return evolve_stale(state, name, Held(value, SpliceList.EMPTY), everywhere)
 
 
 def reparameterized(sampled: SampledSplice, mapping: ParameterMap) -> tuple[Array, Array]:

@@ -11,7 +11,7 @@ import numpy as np
 
 from multirep.arrays import Array, ArrayLike
 from multirep.edit import Edit
-from multirep.errors import ParameterError
+from multirep.errors import ParameterError, UnknownNameError
 from multirep.interval import Interval
 from multirep.sampled import SampledSplice
 from multirep.splices import SpliceList
@@ -82,7 +82,15 @@ class Representation(abc.ABC):
     @classmethod
     @abc.abstractmethod
     def fit(cls, sampled: SampledSplice, *, tolerance: float, **options: Any) -> Self:
-        """Return a value from nothing over T = ``sampled.interval``, within the allowance."""
+        """Return a value from nothing over T = ``sampled.interval``, within the allowance.
+
+        Raises
+        ------
+        ToleranceError
+            When the allowance cannot be met or the proof fails.
+        UnknownNameError
+            For options that it does not have; see :meth:`check_options`.
+        """
 
     # -- may override ------------------------------------------------------------------------------
 
@@ -152,8 +160,8 @@ class Representation(abc.ABC):
         """
         return None
 
-    def patched(self, patch: bytes) -> Self:
-        """Return the value that gave ``patch`` beside this one, bit for bit."""
+    def patched(self, patch: bytes) -> tuple[Self, bytes | None]:
+        """Return the value that gave ``patch`` beside this one, bit for bit; and the patch back."""
         raise NotImplementedError(f"{self.name} makes no patches")
 
     def derivative(self, t: ArrayLike, order: int = 1, side: str = "right") -> Array:
@@ -211,6 +219,13 @@ class Representation(abc.ABC):
         raise NotImplementedError(f"{cls.name} cannot be read from data")
 
     # -- don't override ----------------------------------------------------------------------------
+
+    @classmethod
+    def check_options(cls, options: Iterable[str], known: Iterable[str] = ()) -> None:
+        """Raise UnknownNameError, with the nearest name, for an option that :meth:`fit` has not."""
+        for option in options:
+            if option not in known:
+                raise UnknownNameError(f"option of a {cls.name} fit", option, known)
 
     def ends(self, interval: Interval) -> tuple[float, float]:
         """Return both ends of an interval inside T; else ParameterError with the offender."""

@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 from multirep.constraint import Constraint
 from multirep.errors import HistoryError
 from multirep.framework import CurveState, Framework
-from multirep.history import UNDONE, Moment, Trail
+from multirep.history import History
 from multirep.journal import (
     Added,
     Applied,
@@ -25,6 +25,7 @@ from multirep.journal import (
     ToleranceSet,
     Travelled,
 )
+from multirep.moments import Moment
 from multirep.multirepresentation import MultiRepresentation
 from multirep.outcome import Outcome
 from multirep.reparameterization import ParameterMap
@@ -90,10 +91,7 @@ class Session:
     def __init__(self) -> None:
         self.framework = Framework()
         self.journal = Journal()
-        #: At its far end what the session started from, to which no step leads.
-        self._past = Trail()
-        self._past.push(Moment({}, {}))
-        self._future = Trail(UNDONE)
+        self._history = History()
         self._open = False
 
     def add(self, name: str, curve: MultiRepresentation) -> None:
@@ -107,8 +105,8 @@ class Session:
             self.framework.add(name, curve)
             self.journal.write(*self.journal.unnoticed(self.curves))
             self.journal.write(Added(name, None, curve.kinds, False))
-            start = self._past.pop().states
-            self._past.push(Moment(self.curves, {**start, name: CurveState(state, {})}))
+            start = self._history.start().states
+            self._history.begin(Moment(self.curves, {**start, name: CurveState(state, {})}))
             self.journal.remember(self.curves)
 
     def curve(self, name: str) -> MultiRepresentation:
@@ -195,8 +193,7 @@ class Session:
             raise
         finally:
             self._open = False
-        self._past.push(before)
-        self._future.clear()
+        self._history.step(before)
         self.journal.write(*entries)
         self.journal.remember(self.curves)
 
@@ -216,12 +213,12 @@ class Session:
     @property
     def undoable(self) -> int:
         """How many steps can be undone."""
-        return len(self._past) - 1
+        return self._history.undoable
 
     @property
     def redoable(self) -> int:
         """How many steps can be redone."""
-        return len(self._future)
+        return self._history.redoable
 
     def undo(self, steps: int = 1) -> None:
         """Go back; values are bit-identical to what they were.
@@ -233,25 +230,23 @@ class Session:
         HistoryError
             When there are not so many steps; nothing is changed then.
         """
-        self._travel(steps, self._past, self._future, "undo")
+        self._travel(steps, "undo")
 
     def redo(self, steps: int = 1) -> None:
         """Go forth again after an undo."""
-        self._travel(steps, self._future, self._past, "redo")
+        self._travel(steps, "redo")
 
-    def _travel(self, steps: int, source: Trail, target: Trail, verb: str) -> None:
+    def _travel(self, steps: int, verb: Literal["undo", "redo"]) -> None:
         self._check_closed(verb)
         if steps < 1:
             raise HistoryError(f"steps to {verb} must be 1 or more, got {steps}")
-        there = self.undoable if source is self._past else self.redoable
+        back = verb == "undo"
+        there = self.undoable if back else self.redoable
         if steps > there:
             raise HistoryError(f"cannot {verb} {steps} steps: there are {there}")
-        moment = self._settled(verb)
-        for _ in range(steps):
-            target.push(moment)
-            moment = source.pop()
-        self._go(moment)
-        self.journal.write(Travelled(verb == "undo", steps))
+        present = self._settled(verb)
+        self._go(self._history.travel(present, -steps if back else steps))
+        self.journal.write(Travelled(back, steps))
 
     def _go(self, moment: Moment) -> None:
         there = self.framework.curves
@@ -294,7 +289,7 @@ class Session:
         from multirep.script.writing import written
 
         self.journal.write(*self.journal.unnoticed(self.curves))
-        start = self._past.farthest().states
+        start = self._history.start().states
         return written(self.journal.entries, {name: one.state for name, one in start.items()})
 
     def save_script(self, path: Path | str) -> None:

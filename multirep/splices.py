@@ -70,6 +70,12 @@ class SpliceList:
         object.__setattr__(self, "_stops", tuple(stops))
 
     @classmethod
+    def of(cls, interval: Interval) -> SpliceList:
+        """Return the list of one splice, or none if the interval has no length."""
+        start, stop = interval.start, interval.stop
+        return cls.unchecked((start,), (stop,)) if start < stop else cls.EMPTY
+
+    @classmethod
     def unchecked(cls, starts: tuple[float, ...], stops: tuple[float, ...]) -> SpliceList:
         """Make a list of the ends of splices that are disjoint, in order and of positive length."""
         new = _new(cls)
@@ -128,12 +134,22 @@ class SpliceList:
     def contains(self, other: float | Interval | SpliceList) -> bool:
         """Whether a parameter, an interval or a whole splice list lies inside (ends included)."""
         if isinstance(other, SpliceList):
-            return all(self.contains(splice) for splice in other)
-        start, stop = other if isinstance(other, Interval) else (other, other)
+            return all(map(self._covers, other._starts, other._stops))
+        if isinstance(other, Interval):
+            return self._covers(other.start, other.stop)
+        return self._covers(other, other)
+
+    __contains__ = contains
+
+    def _covers(self, start: float, stop: float) -> bool:
         k = bisect_right(self._starts, start) - 1
         return k >= 0 and stop <= self._stops[k]
 
-    __contains__ = contains
+    def lies_in(self, interval: Interval) -> bool:
+        """Whether all splices lie inside an interval; so do none at all."""
+        if not self._starts:
+            return True
+        return interval.start <= self._starts[0] and self._stops[-1] <= interval.stop
 
     # -- algebra -----------------------------------------------------------------------------------
 
@@ -172,15 +188,19 @@ class SpliceList:
             j = bisect_left(starts, stop)
             if i >= j:
                 continue
-            left = (starts[i], start) if starts[i] < start else None
-            right = (stop, stops[j - 1]) if stop < stops[j - 1] else None
-            kept = [piece for piece in (left, right) if piece is not None]
-            starts = (*starts[:i], *(piece[0] for piece in kept), *starts[j:])
-            stops = (*stops[:i], *(piece[1] for piece in kept), *stops[j:])
+            first, last = starts[i], stops[j - 1]
+            kept_starts, kept_stops = starts[:i], stops[:i]
+            if first < start:
+                kept_starts, kept_stops = (*kept_starts, first), (*kept_stops, start)
+            if stop < last:
+                kept_starts, kept_stops = (*kept_starts, stop), (*kept_stops, last)
+            starts, stops = kept_starts + starts[j:], kept_stops + stops[j:]
         return self.unchecked(starts, stops)
 
     def intersects(self, other: SpliceList) -> bool:
         """Whether the interiors meet; cheaper than the intersection."""
+        if not (self._starts and other._starts):
+            return False
         small, large = _by_size(self, other)
         for start, stop in zip(small._starts, small._stops, strict=True):
             if bisect_right(large._stops, start) < bisect_left(large._starts, stop):

@@ -75,13 +75,18 @@ class State:
         """Return the state with another value of one kind."""
         return self._with({**self.held, name: held}, self.authors, self.looks)
 
+    def with_values(self, held: Mapping[str, Held], authors: AuthorMap) -> State:
+        """Return the state with other values and authors, and the same looks."""
+        return self._with(held, authors, self.looks)
+
     def with_author(self, held: Mapping[str, Held], authors: AuthorMap) -> State:
         """Return the state after somebody changed the curve; nobody has looked yet."""
         return self._with(held, authors, ())
 
-    def looked(self, kind: str, where: SpliceList | None) -> State:
-        """Return the state that remembers one more look."""
-        return self._with(self.held, self.authors, (*self.looks, Look(kind, where)))
+    def looked(self, kind: str, where: SpliceList | None, held: Held) -> State:
+        """Return the state after one more look, and with what it brought up to date."""
+        looks = (*self.looks, Look(kind, where))
+        return self._with({**self.held, kind: held}, self.authors, looks)
 
     def _with(self, held: Mapping[str, Held], authors: AuthorMap, looks: tuple[Look, ...]) -> State:
         # not attrs.evolve, which takes ten times as long: this is part of every step of a drag

@@ -67,8 +67,8 @@ def bring_up_to_date(
     where: SpliceList,
     emit: Callable[[Event], None],
     sample: RecentSamples | None = None,
-) -> State:
-    """Return the state in which ``kind`` follows the authors on ``where``.
+) -> Held:
+    """Return what is held of ``kind`` when it follows the authors on ``where``.
 
     Cost: that of what is stale on ``where``, see :mod:`multirep.windows`; a first view of most of T
     fits all of it.
@@ -90,17 +90,15 @@ def bring_up_to_date(
             heard.append(error)
             raise
 
+    held = state.held[kind.name]
     try:
-        if state.held[kind.name].value is None:
+        if held.value is None:
             begun = _begun(state, kind, where, told)
             if begun is None:
-                fitted = _first_fit(state, kind, told, sample)
-                return state.with_held(kind.name, Held(fitted, SpliceList.EMPTY))
-            state = state.with_held(kind.name, begun)
-        held = state.held[kind.name]
-        for job in _jobs(state, kind.name, where):
+                return Held(_first_fit(state, kind, told, sample), SpliceList.EMPTY)
+            held = begun
+        for job in _jobs(state, kind.name, held.stale, where):
             held = _splice_in(state, kind, held, job, told, sample)
-            state = state.with_held(kind.name, held)
     except MultirepError:
         raise
     except Exception as error:
@@ -110,7 +108,7 @@ def bring_up_to_date(
             f"bringing {kind.name!r} up to date failed with {type(error).__name__}: {error}",
             kind.name,
         ) from error
-    return state
+    return held
 
 
 def _begun(
@@ -118,7 +116,7 @@ def _begun(
 ) -> Held | None:
     """Return a crude value, stale everywhere; None when all of T had better be fitted."""
     domain = state.authors.domain
-    everywhere = SpliceList([domain])
+    everywhere = SpliceList.of(domain)
     delta = hop(state.tolerance)
     asked = list(windows(everywhere, where, domain))
     if any(worthwhile(state, window, delta=delta).fresh == domain for window in asked):
@@ -130,20 +128,20 @@ def _begun(
     return Held(value, everywhere)
 
 
-def _jobs(state: State, name: str, where: SpliceList) -> Iterator[Window]:
+def _jobs(state: State, name: str, stale: SpliceList, where: SpliceList) -> Iterator[Window]:
     """Windows to work on; whole stale splices that are closer than they are long go together.
 
     Not across what is frozen or what ``name`` itself authored: that must not be fitted anew.
     """
     job: Window | None = None
-    for asked in windows(state.held[name].stale, where, state.authors.domain):
+    for asked in windows(stale, where, state.authors.domain):
         window = worthwhile(state, asked, delta=hop(state.tolerance)) if asked.cut else asked
         if job is not None:
             window = window.after(job.fresh.stop)
         if job is not None and job.is_near(window):
             gap = Interval(job.fresh.stop, window.fresh.start)
             mine = any(author == name for _, author in state.authors.segments(gap))
-            if not (mine or state.frozen.intersects(SpliceList([gap]))):
+            if not (mine or state.frozen.intersects(SpliceList.of(gap))):
                 job = job.hull(window)
                 continue
         if job is not None:
@@ -190,7 +188,7 @@ def _first_fit(
             kind.name,
         )
     elapsed = (perf_counter_ns() - begin) / 1000
-    emit(Fitted(kind.name, domain, SpliceList([domain]), value.size, rest, elapsed))
+    emit(Fitted(kind.name, domain, SpliceList.of(domain), value.size, rest, elapsed))
     return value
 
 
@@ -249,7 +247,7 @@ def _splice_in(
         sample.edited(value, edit)
         elapsed = (perf_counter_ns() - begin) / 1000
         emit(Fitted(kind.name, target, edit.splices, edit.value.size, edit.bound, elapsed))
-        return Held(edit.value, held.stale - SpliceList([job.refreshed(target)]))
+        return Held(edit.value, held.stale - SpliceList.of(job.refreshed(target)))
     assert last is not None
     if job.cut:
         return _splice_in(state, kind, held, Window(job.stale, job.stale), emit, sample)
@@ -265,8 +263,8 @@ def _room(state: State, name: str, stale: SpliceList, job: Interval) -> Interval
     room = state.authors.room(job, name)
     if len(stale) == 1 and not state.frozen:
         return room
-    others = (stale | state.frozen) - SpliceList([job])
-    for other in others & SpliceList([room]):
+    others = (stale | state.frozen) - SpliceList.of(job)
+    for other in others & SpliceList.of(room):
         if other.stop <= job.start:
             room = Interval(max(room.start, other.stop), room.stop)
         else:
@@ -285,8 +283,10 @@ def _check_frozen(state: State, edit: Edit[Representation], kind: str) -> None:
             )
 
 
-def check_edit(before: Representation, edit: Edit[Representation], plugin: str) -> None:
+def check_edit(before: Representation, edit: Edit[Representation], plugin: str) -> float:
     """Raise unless ``edit`` is a sound change of ``before``; ``plugin`` is who made it.
+
+    Returns how large the coordinates are, :attr:`multirep.Representation.magnitude`.
 
     Checked: its types, domain and dimension; that it is finite; that its splices lie in T; and,
     locally (shared blocks are not looked into), that it reports all that it changed.
@@ -311,11 +311,12 @@ def check_edit(before: Representation, edit: Edit[Representation], plugin: str) 
             f"{before.dimension} coordinates to {after.domain} in {after.dimension}",
             plugin,
         )
-    if edit.splices and not before.domain.contains(edit.splices.hull):
+    if not edit.splices.lies_in(before.domain):
         raise PluginError(
             f"{plugin!r} reports splices {edit.splices} outside the domain {before.domain}", plugin
         )
-    finite = math.isfinite(after.magnitude)
+    magnitude = after.magnitude
+    finite = math.isfinite(magnitude)
     if finite and edit.splices and type(after).magnitude is Representation.magnitude:
         # nobody vouched for all coordinates
         looks = [min(a + look * (b - a), b) for a, b in edit.splices for look in LOOKS]
@@ -328,22 +329,21 @@ def check_edit(before: Representation, edit: Edit[Representation], plugin: str) 
             f"{before.name!r}.changes must return a SpliceList, got {type(changed).__name__}",
             before.name,
         )
-    unreported = changed - edit.splices
-    if unreported:
+    if not edit.splices.contains(changed):
         raise UnreportedChangeError(
-            f"{plugin!r} changed {unreported} without reporting it "
+            f"{plugin!r} changed {changed - edit.splices} without reporting it "
             f"(reported: {edit.splices or 'nothing'})"
         )
+    return magnitude
 
 
-def check_tolerance(curve: Representation, *, tolerance: float) -> None:
-    """Raise unless the tolerance is positive and rounding allows it for these coordinates."""
-    if not (np.isfinite(tolerance) and tolerance > 0):
+def check_tolerance(magnitude: float, *, tolerance: float) -> None:
+    """Raise unless the tolerance is positive and rounding allows it for coordinates so large."""
+    if not (math.isfinite(tolerance) and tolerance > 0):
         raise ToleranceError(
             f"the tolerance must be positive and finite, got {tolerance!r}", tolerance=tolerance
         )
-    magnitude = curve.magnitude
-    if not np.isfinite(magnitude):
+    if not math.isfinite(magnitude):
         raise InvalidCurveError("the curve has NaN or infinite coordinates")
     reachable = SMALLEST_TOLERANCE * magnitude
     if tolerance < reachable:
@@ -355,12 +355,11 @@ def check_tolerance(curve: Representation, *, tolerance: float) -> None:
         )
 
 
-def evolve_stale(state: State, name: str, splices: SpliceList) -> State:
+def evolve_stale(state: State, name: str, changed: Held, splices: SpliceList) -> State:
     """Return the state after ``name`` changed the curve: author there, the others stale."""
     held = {
-        other: item
-        if other == name or item.value is None
-        else Held(item.value, item.stale | splices)
+        other: item if item.value is None else Held(item.value, item.stale | splices)
         for other, item in state.held.items()
     }
+    held[name] = changed
     return state.with_author(held, state.authors.assigned(splices, name))

@@ -92,8 +92,7 @@ def _close(
     check_edit(mine, edit, right)
     emit(Fitted(right, sampled.interval, edit.splices, edit.value.size, edit.bound, 0.0))
     held = state.held[right]
-    state = state.with_held(right, Held(edit.value, held.stale))
-    return evolve_stale(state, right, SpliceList([after]))
+    return evolve_stale(state, right, Held(edit.value, held.stale), SpliceList.of(after))
 
 
 def _beside(state: State, seam: float) -> tuple[tuple[Interval, str], tuple[Interval, str]]:

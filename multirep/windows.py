@@ -76,11 +76,11 @@ class Window:
     @property
     def cut(self) -> bool:
         """Whether stale curve is left on some side."""
-        return self.fresh != self.stale
+        return self.fresh is not self.stale and self.fresh != self.stale
 
     def target(self) -> Interval:
         """Return the least that a splice must cover: the window and its aprons."""
-        return self._extended(self.apron, 0.0)
+        return self._extended(self.apron, 0.0) if self.cut else self.fresh
 
     def within(self, reach: float, room: Interval) -> Interval:
         """Return the most that a splice may cover.
@@ -92,6 +92,8 @@ class Window:
 
     def refreshed(self, target: Interval) -> Interval:
         """Return what is up to date after a splice on ``target``: all but the aprons."""
+        if not self.cut:
+            return target
         (a, b), (low, high) = self.fresh, self.stale
         return Interval(a if low < a else target.start, b if b < high else target.stop)
 

@@ -6,6 +6,7 @@ import os
 import shutil
 import subprocess
 import sys
+import tarfile
 import zipfile
 from collections.abc import Sequence
 from pathlib import Path
@@ -60,14 +61,19 @@ def run(command: Sequence[str | Path], cwd: Path, **variables: str) -> str:
     return done.stdout
 
 
-def build(tmp_path_factory: pytest.TempPathFactory, **variables: str) -> Path:
-    """Build the wheel from a copy, so that nothing is left in the checkout."""
-    copy = tmp_path_factory.mktemp("source")
+def copied(copy: Path) -> Path:
+    """Copy what is built from, so that nothing is left in the checkout."""
     clutter = shutil.ignore_patterns("__pycache__", "*.so", "*.pyd")
     for folder in (*SOURCES, CORE):
         shutil.copytree(ROOT / folder, copy / folder, symlinks=True, ignore=clutter)
     for file in BUILT_FROM:
         shutil.copy(ROOT / file, copy)
+    return copy
+
+
+def build(tmp_path_factory: pytest.TempPathFactory, **variables: str) -> Path:
+    """Build the wheel from a copy."""
+    copy = copied(tmp_path_factory.mktemp("source"))
     target = tmp_path_factory.mktemp("wheel")
     wheel = [sys.executable, "-m", "pip", "wheel", "-q", "--no-deps", "-w", target, copy]
     run(wheel, target, **variables)
@@ -127,6 +133,18 @@ def test_the_wheel_carries_the_core_if_there_is_a_compiler(wheel: Path) -> None:
     assert has_core(wheel)
     assert "-cp311-abi3-" in wheel.name
     assert not [name for name in zipfile.ZipFile(wheel).namelist() if name.endswith((".c", ".h"))]
+
+
+def test_the_source_distribution_has_all_that_the_core_is_built_from(tmp_path: Path) -> None:
+    """C files, headers, and the interface whose checksum goes into the core."""
+    pytest.importorskip("setuptools")
+    copy = copied(tmp_path)
+    run([sys.executable, "setup.py", "-q", "sdist"], copy)
+    [built] = (copy / "dist").glob("multirep-*.tar.gz")
+    with tarfile.open(built) as archive:
+        names = {Path(*Path(name).parts[1:]) for name in archive.getnames()}
+    sources = {path.relative_to(ROOT) for path in (ROOT / CORE).iterdir()}
+    assert names >= sources | {Path("setup.py"), Path("multirep/splines/_core.pyi")}
 
 
 @pytest.mark.skipif(os.name == "nt", reason="compilers are found in another way there")

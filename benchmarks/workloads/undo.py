@@ -1,19 +1,26 @@
-"""Undo of a drag step in a session, all views brought up to date; and a snapshot restored."""
+"""Undo of a drag step in a session, all views brought up to date; of many; a snapshot restored."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
+from time import process_time
+
+import numpy as np
 
 import multirep as mr
 from benchmarks.curves import viewed
 from benchmarks.drags import STEP, VERTEX
-from benchmarks.workload import Case, Contestant, Timed, Workload, sweep
+from benchmarks.workload import Case, Contestant, Counted, Timed, Workload, sweep
+from benchmarks.workloads.memory import stepped
 from multirep.representations import Polyline
 from multirep.tools import MoveVertex
 
+#: Steps that are undone one after the other, then redone, so many times; on so many vertices.
+CHAIN, ROUNDS, FEW = 100, 3, 50
+
 
 def contestants(case: Case) -> Iterator[Contestant]:
-    """Undo, redo, and what the kernel alone takes."""
+    """Undo, redo, alone and in a chain of many; and what the kernel alone takes."""
     session = mr.Session()
     session.add("curve", viewed(case))
     curve = session.curve("curve")
@@ -35,6 +42,22 @@ def contestants(case: Case) -> Iterator[Contestant]:
     yield Timed("redo", lambda k: session.redo(), True, before=drag_and_undo)
     state = curve.snapshot()
     yield Timed("restore a snapshot", lambda k: curve.restore(state), True)
+    yield from in_a_chain(case, vertex)
+
+
+def in_a_chain(case: Case, vertex: int) -> Iterator[Contestant]:
+    """Undo many drag steps, on vertices here and there, one after the other, and redo them."""
+    vertices = vertex // 2 + np.arange(CHAIN) % min(FEW, case.size // 4)
+    session = stepped(viewed(case), vertices, case.tolerance)
+    times: dict[str, list[float]] = {"undo": [], "redo": []}
+    for _ in range(ROUNDS):
+        for name, travel in (("undo", session.undo), ("redo", session.redo)):
+            for _ in range(CHAIN):
+                begin = process_time()
+                travel()
+                times[name].append(process_time() - begin)
+    for name, samples in times.items():
+        yield Counted(f"{name}, one of {CHAIN}", float(np.median(samples)), "s", ours=True)
 
 
 UNDO = Workload(

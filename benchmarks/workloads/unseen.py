@@ -13,6 +13,8 @@ from benchmarks.curves import viewed
 from benchmarks.drags import Drag, drags
 from benchmarks.workload import Case, Contestant, Timed, Workload, sweep
 from benchmarks.workloads.windows import going_back
+from multirep.splices import SpliceList
+from multirep.state import Held
 from multirep.synchronization import evolve_stale
 
 
@@ -22,12 +24,10 @@ def contestants(case: Case) -> Iterator[Contestant]:
         curve = viewed(case)
         drag = drags(curve)[number]
         edit = drag.step(curve.view(drag.kind), 0)
-        state = curve.snapshot()
+        changed, state = Held(edit.value, SpliceList.EMPTY), curve.snapshot()
         yield Timed(
             f"{drag.what}: synchronisation",
-            lambda k, state=state, kind=drag.kind.name, splices=edit.splices: evolve_stale(
-                state, kind, splices
-            ),
+            lambda k, what=(state, drag.kind.name, changed, edit.splices): evolve_stale(*what),
             True,
         )
     for number in range(3):

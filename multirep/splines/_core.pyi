@@ -7,6 +7,9 @@ from multirep.splines.arrays import Array, IntArray
 _Run = TypeVar("_Run", bound=tuple[Array, ...])
 _Runs: TypeAlias = tuple[tuple[Array, ...], ...]
 
+#: A checksum of this file as it was when the core was built.
+INTERFACE: int
+
 class Rope:
     """The rows of blocks, end to end."""
 

@@ -6,6 +6,7 @@ import attrs
 import numpy as np
 import pytest
 
+from multirep.errors import UnknownNameError
 from multirep.representation import Representation
 from multirep.sampled import SampledSplice
 from multirep.testing.curves import bumped, place_of, polygon, wave
@@ -62,6 +63,13 @@ class FittingLaws(RepresentationBase):
         points[t > 0.3] += points[rest.argmax()] - points[(t > 0.3).argmax()]
         crowded = SampledSplice(t, points, 1e-3)
         self.fit(representation, crowded, tolerance=1e-2)
+
+    def test_unknown_options_are_refused(self, representation: Representation) -> None:
+        """With an error that names the option, not taken silently for another."""
+        sampled = wave(self.dimensions[0], tolerance=1e-3)
+        with pytest.raises(UnknownNameError, match="nonsense") as refused:
+            type(representation).fit(sampled, tolerance=1e-1, **self.fit_options, nonsense=1)
+        assert refused.value.name == "nonsense"
 
     @pytest.mark.parametrize("scale", [1e-12, 1e-6, 1.0, 1e6, 1e12])
     def test_coordinates_of_any_size(self, representation: Representation, scale: float) -> None:

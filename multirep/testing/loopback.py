@@ -106,8 +106,9 @@ class LoopbackRepresentation(Representation):
 
     @classmethod
     def fit(cls, sampled: SampledSplice, *, tolerance: float, **options: Any) -> Self:
-        """Store the samples."""
-        return cls(sampled.t, sampled.points, **options)
+        """Store the samples; there are no options."""
+        cls.check_options(options)
+        return cls(sampled.t, sampled.points)
 
     # -- what may be overridden --------------------------------------------------------------------
 

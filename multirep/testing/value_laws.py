@@ -113,7 +113,10 @@ class ValueLaws(RepresentationBase):
             patch = value.patch(base)
             if patch is None:
                 pytest.skip("keeps values whole")
-            check_same(value, base.patched(patch), elements=self.elements)
+            made, back = base.patched(patch)
+            check_same(value, made, elements=self.elements)
+            if back is not None:
+                check_same(base, made.patched(back)[0], elements=self.elements)
 
     @pytest.mark.parametrize("seed", range(3))
     def test_reach_stays_within(self, representation: Representation, seed: int) -> None:

@@ -93,6 +93,8 @@ class Nurbs(NurbsValue):
         ------
         ToleranceError
             When that cannot be proved; it says what can.
+        UnknownNameError
+            For other options.
 
         Notes
         -----
@@ -100,8 +102,7 @@ class Nurbs(NurbsValue):
         """
         from multirep.representations.nurbs.fitting import fitted_arrays
 
-        if options:
-            raise TypeError(f"a fit of a NURBS has the option 'degree', not {', '.join(options)}")
+        cls.check_options(options, ["degree"])
         p = cls.default_degree if degree is None else degree
         knots, points = fitted_arrays(sampled, tolerance, p)
         new = cls.__new__(cls)

@@ -208,10 +208,11 @@ class NurbsValue(SplineCurve):
             return None
         return patch_of(mine, theirs)
 
-    def patched(self, patch: bytes) -> Self:
+    def patched(self, patch: bytes) -> tuple[Self, bytes | None]:
         """Return the value that gave ``patch`` beside this one; O(control points in the patch)."""
-        knots, points, *weights = patched(self._stored, patch)
-        return self._with(knots=knots, points=points, weights=weights[0] if weights else None)
+        (knots, points, *weights), back = patched(self._stored, patch)
+        value = self._with(knots=knots, points=points, weights=weights[0] if weights else None)
+        return value, back
 
     @property
     def _stored(self) -> tuple[BlockArray, ...]:

@@ -132,15 +132,13 @@ class Polyline(Representation):
         boxes: BlockBoxes | None,
         known: Known,
     ) -> None:
-        for field, value in (
-            ("t", t),
-            ("points", points),
-            ("domain", domain),
-            ("dimension", points.shape[1]),
-            ("_known_boxes", boxes),
-            ("_known", known),
-        ):
-            object.__setattr__(self, field, value)
+        put = object.__setattr__
+        put(self, "t", t)
+        put(self, "points", points)
+        put(self, "domain", domain)
+        put(self, "dimension", points.row_shape[0])
+        put(self, "_known_boxes", boxes)
+        put(self, "_known", known)
 
     # -- the contract ------------------------------------------------------------------------------
 
@@ -221,8 +219,7 @@ class Polyline(Representation):
     @classmethod
     def fit(cls, sampled: SampledSplice, *, tolerance: float, **options: Any) -> Self:
         """Return the polyline over T with as few samples as the allowance needs."""
-        if options:
-            raise TypeError(f"a polyline fit has no options, got {', '.join(options)}")
+        cls.check_options(options)
         new = follow(sampled, tolerance, None, None)
         return cls(new.t, new.points)
 
@@ -256,9 +253,10 @@ class Polyline(Representation):
         same = self.domain == other.domain
         return patch_of((self.t, self.points), (other.t, other.points)) if same else None
 
-    def patched(self, patch: bytes) -> Self:
+    def patched(self, patch: bytes) -> tuple[Self, bytes | None]:
         """Return the value that gave ``patch`` beside this one; O(vertices in the patch)."""
-        return self._with(*patched((self.t, self.points), patch))
+        arrays, back = patched((self.t, self.points), patch)
+        return self._with(*arrays), back
 
     def nearest(self, point: ArrayLike) -> Nearest:
         """Return the nearest place, exact up to rounding, or those of many points."""

@@ -171,9 +171,10 @@ class WaveletBSpline(SplineCurve):
         """Return what makes this value of ``other``; see `Representation.patch`."""
         return self._graded.patch(other._graded)
 
-    def patched(self, patch: bytes) -> Self:
+    def patched(self, patch: bytes) -> tuple[Self, bytes | None]:
         """Return the value that gave ``patch`` beside this one; O(control points in the patch)."""
-        return self._of(self._graded.patched(patch), self._known)
+        graded, back = self._graded.patched(patch)
+        return self._of(graded, self._known), back
 
     # -- following a polyline ----------------------------------------------------------------------
 
@@ -187,9 +188,10 @@ class WaveletBSpline(SplineCurve):
         ------
         ToleranceError
             When that cannot be proved; it says what can.
+        UnknownNameError
+            For any option.
         """
-        if options:
-            raise EditError(f"a wavelet fit has no options, got {', '.join(sorted(options))}")
+        cls.check_options(options)
         return cls._of(splicing.fit(sampled, tolerance=tolerance)[0])
 
     def splice(self, sampled: SampledSplice, *, tolerance: float) -> Edit[Self]:

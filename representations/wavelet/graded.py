@@ -11,7 +11,7 @@ import numpy as np
 from multirep.arrays import Array, Indices
 from multirep.blocks import BlockArray
 from multirep.interval import Interval
-from multirep.patches import patch_of, patched
+from multirep.patches import patch_of, patched, replacement
 from multirep.representations.wavelet.dyadic import level_counts, parameters
 from multirep.splices import SpliceList
 from multirep.splines import compiled
@@ -140,16 +140,18 @@ class Graded:
         arrays = patch_of((self.u, self.points), (other.u, other.points))
         return None if arrays is None else _MAGNITUDE.pack(self.magnitude) + arrays
 
-    def patched(self, patch: bytes) -> Graded:
-        """Return the curve that gave ``patch`` beside this one, bit for bit."""
+    def patched(self, patch: bytes) -> tuple[Graded, bytes | None]:
+        """Return the curve that gave ``patch`` beside this one, and the patch back."""
         (magnitude,) = _MAGNITUDE.unpack_from(patch)
-        u, points = patched((self.u, self.points), patch[_MAGNITUDE.size :])
+        patch = patch[_MAGNITUDE.size :]
+        (u, points), back = patched((self.u, self.points), patch)
         counts = self.counts
         if u is not self.u:
-            low, high, other = u.difference(self.u)
-            counts = counts + level_counts(u.window(low, high))
-            counts -= level_counts(self.u.window(low, other))
-        return Graded(self.domain, u, points, counts, magnitude)
+            low, gone, come = replacement(patch)
+            counts = counts + level_counts(u.window(low, low + come))
+            counts -= level_counts(self.u.window(low, low + gone))
+        made = Graded(self.domain, u, points, counts, magnitude)
+        return made, None if back is None else _MAGNITUDE.pack(self.magnitude) + back
 
     def refined(self, u: Array) -> Graded:
         """Return the same curve with more knots.

@@ -10,20 +10,21 @@ from itertools import product
 from typing import Any
 from weakref import ref
 
+import attrs
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 import multirep as mr
-from multirep import history, patches
-from multirep import session as session_module
+from multirep import history, moments, patches
 from multirep.authors import AuthorMap
 from multirep.constraints import Freeze
 from multirep.errors import MultirepError
 from multirep.representations import Nurbs, Polyline, WaveletBSpline
+from multirep.state import State
 from multirep.testing.loopback import LoopbackRepresentation
-from multirep.tools import MoveControlPoint, MoveVertex, Sweep
+from multirep.tools import MoveControlPoint, MoveVertex, Oversketch, Sweep
 
 KINDS = (Polyline, Nurbs, WaveletBSpline)
 
@@ -92,7 +93,6 @@ def early() -> Iterator[None]:
     """All moments but the nearest are kept as differences."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(history, "NEAR", 1)
-        patch.setattr(session_module, "UNDONE", 2)
         yield
 
 
@@ -104,7 +104,7 @@ def test_any_way_through_the_history_gives_the_same_bits(data: st.DataObject) ->
     curve = wave()
     session = session_of(curve)
     seen, at = [bits(curve)], 0
-    held: dict[int, mr.State] = {}
+    held: dict[int, State] = {}
     moves = ["step", "step", "step", "undo", "redo", "hold"]
     for k in range(data.draw(st.integers(3, 12))):
         move = data.draw(st.sampled_from(moves))
@@ -186,6 +186,62 @@ def test_a_value_that_somebody_holds_comes_back_itself() -> None:
     assert curve.view(Polyline) is held
 
 
+def test_what_was_passed_is_not_compared_again(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What makes one moment of its neighbour is turned around, and gives the same bits both ways;
+    only at the turns of the way, where moments are whole, is anything compared.
+    """
+    curve = wave()
+    session = session_of(curve)
+    seen = []
+    for k in range(12):
+        for kind in KINDS:
+            curve.view(kind)
+        seen.append(bits(curve))
+        step(session, k, k % 3)
+    seen.append(bits(curve))
+    compared: list[int] = []
+    between = history.between
+
+    def counted(*moments: Any) -> Any:
+        compared.append(session.undoable)
+        return between(*moments)
+
+    monkeypatch.setattr(history, "between", counted)
+    for travel in (session.undo, session.redo, session.undo, session.redo):
+        compared.clear()
+        for _ in range(12):
+            travel()
+            assert bits(curve) == seen[session.undoable]
+        assert len(compared) <= history.NEAR + 1
+    session.undo(6)
+    step(session, 1, 0)
+    compared.clear()
+    session.undo(7)
+    assert len(compared) <= history.NEAR + 1
+
+
+def test_a_look_at_an_earlier_moment_belongs_to_it() -> None:
+    """What it brought up to date is there on the way back, from either side."""
+    curve = wave()
+    session = session_of(curve)
+    for k in range(5):
+        session.apply("wave", MoveVertex(index=10 + 9 * k, to=(1.0 + k, 0.5)))
+    session.undo(3)
+    curve.view(Nurbs)
+    seen = bits(curve)
+    for there, back in ((session.redo, session.undo), (session.undo, session.redo)):
+        steps = 3 if there == session.redo else 2
+        there(steps)
+        assert bits(curve) != seen
+        back(steps)
+        assert bits(curve) == seen
+
+
+def test_every_field_of_a_state_is_compared() -> None:
+    """What is held, the authors, and the others."""
+    assert {"held", "authors", *moments._OTHERS} == {field.name for field in attrs.fields(State)}
+
+
 def test_curves_of_other_kinds_and_other_curves_come_back() -> None:
     """A kind without patches is kept as it is, and so are moments with other curves."""
     points = [[0.0, 0.0], [1.0, 1.0], [2.0, 0.0], [3.0, 1.0]]
@@ -209,19 +265,19 @@ def test_curves_of_other_kinds_and_other_curves_come_back() -> None:
 
 
 def test_a_step_keeps_what_it_changed_however_long_the_curve() -> None:
-    """A few dozen numbers and objects, not a block: fewer bytes than half a block of points."""
+    """A few dozen numbers and objects, not a block: a sixth of the bytes of a block of points."""
     curve = wave(20_000)
     session = session_of(curve)
-    for k in range(5):
+    for k in range(60):  # what else is remembered has its bounds
         step(session, 3 * k + 2, 0)
     gc.collect()
     tracemalloc.start()
-    for k in range(5, 65):
+    for k in range(60, 120):
         step(session, 3 * k + 2, 0)
     gc.collect()
     kept = tracemalloc.get_traced_memory()[0]
     tracemalloc.stop()
-    assert kept / 60 < 4_000
+    assert kept / 60 < 2_500
 
 
 # -- patches of arrays -----------------------------------------------------------------------------
@@ -246,10 +302,14 @@ def test_a_patch_makes_one_version_of_another(data: st.DataObject, columns: int,
     for mine, base in ((one, two), (two, one), (one, one)):
         patch = patches.patch_of((mine, still), (base, still))
         assert patch is not None
-        made, same = patches.patched((base, still), patch)
-        assert np.asarray(made).tobytes() == np.asarray(mine).tobytes()
-        assert made.shape == mine.shape
-        assert same is still
+        made, back = base, patch
+        for end in (mine, base):
+            assert back is not None
+            (made, same), back = patches.patched((made, still), back)
+            assert np.asarray(made).tobytes() == np.asarray(end).tobytes()
+            assert made.shape == end.shape
+            assert same is still
+        assert back == patch
 
 
 @given(data=st.data())
@@ -265,11 +325,14 @@ def test_a_wavelet_is_made_again_with_all_that_it_counts(data: st.DataObject) ->
     for mine, base in ((one, two), (two, one)):
         patch = mine.patch(base)
         assert patch is not None
-        made, graded = base.patched(patch)._graded, mine._graded
-        assert made.magnitude == graded.magnitude
-        np.testing.assert_array_equal(made.counts, graded.counts)
-        np.testing.assert_array_equal(np.asarray(made.u), np.asarray(graded.u))
-        np.testing.assert_array_equal(np.asarray(made.points), np.asarray(graded.points))
+        there, back = base.patched(patch)
+        assert back is not None
+        here, _ = there.patched(back)
+        for made, graded in ((there._graded, mine._graded), (here._graded, base._graded)):
+            assert made.magnitude == graded.magnitude
+            np.testing.assert_array_equal(made.counts, graded.counts)
+            np.testing.assert_array_equal(np.asarray(made.u), np.asarray(graded.u))
+            np.testing.assert_array_equal(np.asarray(made.points), np.asarray(graded.points))
 
 
 @given(data=st.data())
@@ -282,9 +345,10 @@ def test_authors_come_back(data: st.DataObject) -> None:
         name = data.draw(st.sampled_from("abc"))
         maps.append(maps[-1].assigned(mr.SpliceList([part]), name))
     for one, two in product(maps, maps):
-        apart = history._authors_apart(one, two)
-        assert not isinstance(apart, AuthorMap)
-        assert history._authors_together(apart, two) == one
+        apart = moments._authors_between(one, two)
+        assert not isinstance(apart, tuple)
+        assert moments._authors_together(apart, two, moments.EARLIER) == one
+        assert moments._authors_together(apart, one, moments.LATER) == two
 
 
 def test_versions_that_differ_in_much_or_in_kind_have_no_patch() -> None:
@@ -293,3 +357,31 @@ def test_versions_that_differ_in_much_or_in_kind_have_no_patch() -> None:
     two = one.replaced(5, 6, [1.0]).replaced(4000, 4001, [1.0])
     assert patches.patch_of((one,), (two,)) is None
     assert patches.patch_of((one,), (mr.BlockArray.of(np.zeros((3, 2))),)) is None
+    few = one.replaced(5, 4000, [])
+    patch = patches.patch_of((few,), (one,))
+    assert patch is not None
+    [made], back = patches.patched((one,), patch)
+    assert len(made) == len(few)
+    assert back is None
+
+
+def test_much_that_comes_and_goes_in_a_step_comes_back(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Where many rows come, or go, values are kept themselves, and others as patches."""
+    monkeypatch.setattr(patches, "_MOST", 12)
+    curve = wave(300)
+    session = session_of(curve)
+    seen = []
+    sketch = [[0.1 * k, 0.3] for k in range(60)]
+    for k in range(9):
+        for kind in KINDS:
+            curve.view(kind)
+        seen.append(bits(curve))
+        if k % 3 == 1:
+            session.apply("wave", Oversketch(stroke=sketch if k % 2 else sketch[10:50]))
+        else:
+            step(session, k, 0)
+    seen.append(bits(curve))
+    for travel in (session.undo, session.redo, session.undo, session.redo):
+        for _ in range(9):
+            travel()
+            assert bits(curve) == seen[session.undoable]

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from nurbs_cases import SMOOTH, chord_length, course, largest_deviation
 from scipy.interpolate import BSpline, splprep
 
-from multirep.errors import InvalidCurveError, ToleranceError
+from multirep.errors import InvalidCurveError, ToleranceError, UnknownNameError
 from multirep.representations import Nurbs
 from multirep.sampled import SampledSplice
 from multirep.testing.laws import check_fit
@@ -31,6 +31,12 @@ def test_any_polyline_can_be_followed(
     sampled = SampledSplice(*line)
     curve = check_fit(Nurbs, sampled, tolerance=tolerance, degree=degree)
     assert curve.size <= degree * len(sampled.t) + 60
+
+
+def test_a_misspelt_option_is_named_with_the_right_one() -> None:
+    """The nearest name is offered."""
+    with pytest.raises(UnknownNameError, match="nurbs fit named 'degre'; did you mean 'degree'"):
+        Nurbs.fit(SampledSplice([0, 1], [[0], [1]]), tolerance=1.0, degre=2)
 
 
 @pytest.mark.parametrize("name", SMOOTH)

@@ -11,7 +11,7 @@ from polyline_reference import check_edit, distance_on_chords, values
 from polyline_reference import tiny_blocks as tiny_blocks
 
 from multirep.arrays import Array
-from multirep.errors import InvalidCurveError, ParameterError, ToleranceError
+from multirep.errors import InvalidCurveError, ParameterError, ToleranceError, UnknownNameError
 from multirep.interval import Interval
 from multirep.representations.polyline import Polyline
 from multirep.sampled import SampledSplice
@@ -256,7 +256,7 @@ def test_samples_of_another_curve_are_refused() -> None:
         polyline.splice(smooth(5), tolerance=1)
     with pytest.raises(ParameterError, match="outside the domain"):
         polyline.splice(smooth(5, (0.5, 1.5)), tolerance=1)
-    with pytest.raises(TypeError, match="degree"):
+    with pytest.raises(UnknownNameError, match="option of a polyline fit named 'degree'"):
         Polyline.fit(smooth(5), tolerance=1, degree=3)
 
 

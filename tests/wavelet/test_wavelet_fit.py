@@ -10,7 +10,7 @@ from scipy.interpolate import BSpline
 
 from multirep import Interval, SampledSplice
 from multirep.bounds import spline_chord_deviation
-from multirep.errors import EditError, ToleranceError
+from multirep.errors import ToleranceError, UnknownNameError
 from multirep.representations import WaveletBSpline
 from multirep.representations.wavelet.attempt import Frame, Problem
 from multirep.representations.wavelet.target import Target
@@ -182,7 +182,7 @@ def test_unreachable_tolerances_say_what_is_reachable():
 
 def test_fits_take_no_options():
     """An unknown option is named."""
-    with pytest.raises(EditError, match="degree"):
+    with pytest.raises(UnknownNameError, match="wavelet fit named 'degree'"):
         WaveletBSpline.fit(SampledSplice([0, 1], [[0], [1]]), tolerance=1.0, degree=3)
 
 
