@@ -8,8 +8,8 @@ form span by span. Coordinates come first in all arrays, as there.
 #include <math.h>
 #include <string.h>
 
-/* Rows per span that carry no vertex. */
-enum { QUARTERS = 4 };
+/* Rows per span that carry no vertex; control points that are dictated at a joined end. */
+enum { QUARTERS = 4, DEGREE = 3, PINNED = 3 };
 
 /* Cubic Bernstein polynomials, and a third of their derivatives. */
 static void bernstein(double local, double *values, double *turns)
@@ -48,6 +48,21 @@ static void map_of(const double *knots, double map[4][4])
     map[3][3] = inner;
     map[3][1] = (1.0 - share) * map[2][1];
     map[3][2] = 1.0 - inner - map[3][1];
+}
+
+/* The control points (d, columns) at a joined end, from column `first` on: polar forms of the old
+piece, whose six knots and four rows are given. `around` are the five knots that define them. */
+static void dictate(Table knots, Table rows, const double *around, Index first, double *room,
+                    Table points)
+{
+    Index d = rows.columns;
+    for (Index k = 0; k < PINNED; k++) {
+        memcpy(room, rows.at, (size_t)((DEGREE + 1) * d) * sizeof(double));
+        for (Index step = 0; step < DEGREE; step++)
+            blossom_step(knots.at, DEGREE, d, around[k + step], step, room);
+        for (Index c = 0; c < d; c++)
+            points.at[c * points.columns + first + k] = room[c];
+    }
 }
 
 /* Where a stretch is looked at: quarters of its spans, its end, and the vertices between; with the
@@ -234,30 +249,37 @@ static double certified(const Marks *marks, Table x, Index d, const double *nets
 METHOD(core_attempt)
 {
     /* t, points, slopes of the target, limits, knots before the stretch (3,), its knots (n + 1,),
-    knots behind it, first and stop of the free control points, control points (d, n + 3), nets
-    (4, d, n), ratios (n,); returns the bound, None if the control points are not determined */
+    knots behind it, knots (6,) and control points (4, d) of the old pieces to be joined on the left
+    and on the right, None where there is none, control points (d, n + 3), nets (4, d, n), ratios
+    (n,); returns the bound, None if the control points are not determined */
     Call call;
-    begin(&call, count, 12);
+    begin(&call, count, 14);
     if (call.failed)
         return finish(&call, NULL);
     Target target = target_of(&call, values);
     Table limits = reals(&call, values[3]), before = reals(&call, values[4]);
-    Table x = reals(&call, values[5]), after = reals(&call, values[6]);
-    Index first = integer(&call, values[7]), stop = integer(&call, values[8]);
-    Table points = output(&call, values[9]), nets = output(&call, values[10]);
-    Table ratios = output(&call, values[11]);
+    Table x = reals(&call, values[5]), after = reals(&call, values[6]), old[2][2];
+    for (int side = 0; side < 2; side++)
+        for (int k = 0; k < 2; k++)
+            old[side][k] = reals_or_none(&call, values[7 + 2 * side + k]);
+    Table points = output(&call, values[11]), nets = output(&call, values[12]);
+    Table ratios = output(&call, values[13]);
     Index n = x.rows - 1, d = target.d;
     expect(&call,
-           limits.rows == target.chords && before.rows == 3 && after.rows == 3 && n >= 1 &&
-               first >= 0 && stop <= n + 3,
+           limits.rows == target.chords && before.rows == 3 && after.rows == 3 && n >= 1,
            "limits, or knots before or behind, are missing");
     expect(&call,
            points.rows == d && points.columns == n + 3 && nets.rows == 4 &&
                nets.columns == d * n && ratios.rows == n,
            "the outputs are of wrong lengths");
+    for (int side = 0; side < 2; side++)
+        expect(&call,
+               !old[side][0].at || (old[side][0].rows == 2 * DEGREE && old[side][1].columns == d &&
+                                    old[side][1].rows == DEGREE + 1 && n >= 2),
+               "an old piece needs six knots and four control points");
     for (Index span = 0; !call.failed && span < n; span++)
         expect(&call, x.at[span] < x.at[span + 1], "knots must ascend");
-    double *knots = scratch(&call, n + 7), *room = scratch(&call, 4 * d);
+    double *knots = scratch(&call, n + 7), *room = scratch(&call, (DEGREE + 1) * d);
     double(*maps)[4][4] = (double(*)[4][4])scratch(&call, 16 * n);
     if (call.failed)
         return finish(&call, NULL);
@@ -269,6 +291,16 @@ METHOD(core_attempt)
     double tightest = limits.at[0];
     for (Index i = 1; i < limits.rows; i++)
         tightest = smaller(limits.at[i], tightest);
+    memset(points.at, 0, (size_t)(d * (n + 3)) * sizeof(double));
+    Index first = 0, stop = n + 3;
+    if (old[0][0].at) {
+        dictate(old[0][0], old[0][1], knots + 1, 0, room, points);
+        first += PINNED;
+    }
+    if (old[1][0].at) {
+        dictate(old[1][0], old[1][1], knots + n + 1, n, room, points);
+        stop -= PINNED;
+    }
     Marks marks = placed_marks(&call, &target, x);
     if (call.failed)
         return finish(&call, NULL);

@@ -254,6 +254,26 @@ static inline double value_at(const Target *target, Index chord, double t, Index
            target->points.at[c * (target->chords + 1) + chord];
 }
 
+/* -- prediction.c: how fine knots must be -------------------------------------------------------- */
+
+/* What is needed to look at a span, and the knots found so far. */
+typedef struct {
+    Call *call;
+    Target target;
+    const double *allowances, *projections, *places;
+    Table corners;
+    Index samples, count, room;
+    double margin, shortest, start, stop; /* the ends of T */
+    double *seen, *left, *found;
+} Prediction;
+
+/* Of the target's allowances and corners, projections (2 s, s) and places (s,), with room for so many
+knots at first; the rest is to be filled in. */
+Prediction prediction_of(Call *call, Target target, Table allowances, Table corners,
+                         Table projections, Table places, Index room);
+/* Halve a span of dyadic numbers until no part of it needs to be. */
+void halve(Prediction *given, double start, double stop, int depth);
+
 /* -- banded.c: symmetric banded systems -------------------------------------------------------- */
 
 int solve_banded(double *band, double *right, Index count, Index bandwidth, Index columns,
@@ -280,7 +300,7 @@ METHOD(core_sample);
 METHOD(core_attempt);
 METHOD(core_follow);
 METHOD(core_predict);
-METHOD(core_departure);
+METHOD(core_beginning);
 METHOD(core_halves);
 METHOD(core_largest);
 METHOD(core_course);

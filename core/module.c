@@ -22,7 +22,7 @@ static PyMethodDef methods[] = {
     ENTRY(attempt),
     ENTRY(follow),
     ENTRY(predict),
-    ENTRY(departure),
+    ENTRY(beginning),
     ENTRY(halves),
     ENTRY(largest),
     ENTRY(course),

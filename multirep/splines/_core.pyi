@@ -133,8 +133,10 @@ def attempt(
     before: Array,
     x: Array,
     after: Array,
-    free: int,
-    stop: int,
+    left_knots: Array | None,
+    left_points: Array | None,
+    right_knots: Array | None,
+    right_points: Array | None,
     control_points: Array,
     nets: Array,
     ratios: Array,
@@ -159,18 +161,28 @@ def predict(
     places: Array,
     /,
 ) -> bytearray: ...
-def departure(
+def beginning(
     t: Array,
     points: Array,
     slopes: Array,
     allowances: Array,
-    knots: Array,
-    coefficients: Array,
-    span: int,
-    end: float,
-    steps: Array,
+    corners: Array,
+    widths: Array,
+    first: Array,
+    last: Array,
+    left_knots: Array | None,
+    left_points: Array | None,
+    right_knots: Array | None,
+    right_points: Array | None,
+    fewest: int,
+    start: float,
+    stop: float,
+    shortest: float,
+    margin: float,
+    projection: Array,
+    places: Array,
     /,
-) -> tuple[int, float, int]: ...
+) -> bytearray | None: ...
 def common(a: Array, b: Array, /) -> tuple[int, int]: ...
 def changed_spans(
     degree: int, knots: Array, other_knots: Array, rows: list[tuple[Array, Array]], /

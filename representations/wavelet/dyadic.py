@@ -56,7 +56,7 @@ def finest_level(domain: Interval) -> int:
     (46, 27)
     """
     largest = max(abs(domain.start), abs(domain.stop))
-    resolved = math.log2(domain.length / (_ULPS * float(np.spacing(largest))))
+    resolved = math.log2(domain.length / (_ULPS * math.ulp(largest)))
     return max(0, min(FINEST_LEVEL, math.floor(resolved)))
 
 
@@ -146,7 +146,7 @@ def starting(start: float, stop: float, first: float, last: float) -> Array:
     steps = []
     for length, sign, end in ((first, 1.0, start), (last, -1.0, stop)):
         if 6.0 * length < whole:
-            grain = 2.0 ** (math.floor(math.log2(length)) - 2)
+            grain = math.ldexp(1.0, math.frexp(length)[1] - 3)
             origin = round(end / grain) * grain
             step = sign * round(length / grain) * grain
             steps += [origin + step, origin + 2 * step, origin + 3 * step]

@@ -15,32 +15,17 @@ from typing import NamedTuple
 import numpy as np
 
 from multirep.arrays import Array
-from multirep.errors import InvalidCurveError, ParameterError, ToleranceError
-from multirep.interval import Interval
-from multirep.representations.wavelet.attempt import (
-    Attempt,
-    Frame,
-    Problem,
-    frame_pieces,
-)
-from multirep.representations.wavelet.dyadic import (
-    clusters,
-    coarsest_between,
-    finest_level,
-    halves,
-    parameters,
-    starting,
-)
+from multirep.errors import InvalidCurveError, ParameterError
+from multirep.representations.wavelet.attempt import Frame, Piece, Problem
+from multirep.representations.wavelet.beginning import beginning, gap_error
+from multirep.representations.wavelet.dyadic import coarsest_between, finest_level, parameters
 from multirep.representations.wavelet.fitting import fit_stretch
 from multirep.representations.wavelet.graded import Graded, clamped
-from multirep.representations.wavelet.prediction import predict
 from multirep.representations.wavelet.target import Target
 from multirep.sampled import SampledSplice
-from multirep.splines import compiled
 from multirep.splines.deviation import spline_chord_deviation
 from multirep.splines.evaluation import evaluate
 from multirep.splines.pieces import largest_coordinate
-from multirep.splines.polar import blossom
 from multirep.splines.simplification import simplified
 
 __all__ = ["fit", "splice"]
@@ -49,13 +34,8 @@ __all__ = ["fit", "splice"]
 #: may use. Larger saves time and costs control points.
 _MANY_CHORDS = 4096
 _SIMPLIFYING_SHARE = 0.05
-#: Spans to begin with where no, one or both ends are joined: three would leave nothing free between
-#: two joins.
-_FEWEST_SPANS = (1, 3, 4)
 #: So many old knots beside an end that is a knot are kept where they can be.
 _KEPT = 2
-#: Kept spans may be longer by this factor than the turn from the old piece to the target needs.
-_ABOUT = 1.5
 #: The old curve leads in over at most this part of the interval.
 _LEAD_IN = 1 / 8
 #: How much nearer to the end the next try is when the old curve leaves the allowance on its
@@ -87,15 +67,11 @@ def fit(sampled: SampledSplice, *, tolerance: float) -> tuple[Graded, float]:
     domain = sampled.interval
     target, left_out = _simpler(sampled, tolerance)
     ends = np.array([domain.start, domain.stop])
-    frame = Frame(ends[[0, 0, 0]], ends[[1, 1, 1]], None, False, False)
-    fitted = _fit(
-        target,
-        (np.array([0.0]), np.array([1.0])),
-        domain,
-        frame,
-        largest_coordinate(sampled.points),
-        thin=True,
-    )
+    frame = Frame(ends[[0, 0, 0]], ends[[1, 1, 1]], None, None)
+    problem = Problem.of(target, domain, frame, largest_coordinate(sampled.points))
+    shortest = 2.0 ** -finest_level(domain)
+    u = beginning(target, (np.array([0.0]), np.array([1.0])), domain, frame, shortest)
+    fitted = fit_stretch(problem, u, shortest=shortest, thin=True)
     curve = Graded.of(domain, clamped(fitted.u), fitted.points.T + target.origin)
     return curve, fitted.bound + left_out
 
@@ -145,22 +121,31 @@ def splice(curve: Graded, sampled: SampledSplice, *, tolerance: float) -> tuple[
     first, last = curve.span_at(interval.start), curve.span_at(interval.stop, "left")
     start = _start(curve, target, interval.start, first)
     stop = _stop(curve, target, interval.stop, last)
-    frame, inner, kept = _frame(curve, start, stop, target.origin)
-    magnitude = largest_coordinate(sampled.points, kept)
-    fitted = _fit(
-        target, _knots_to_keep(curve, start, stop), curve.domain, frame, magnitude, thin=False
-    )
+    frame = _frame(curve, start, stop, target.origin)
+    old = curve.points.window(start.span - 2, stop.span)
+    problem = Problem.of(target, curve.domain, frame, largest_coordinate(sampled.points, old))
+    shortest = 2.0 ** -finest_level(curve.domain)
+    ends = _knots_to_keep(curve, start, stop)
+    u = beginning(target, ends, curve.domain, frame, shortest)
+    fitted = fit_stretch(problem, u, shortest=shortest, thin=False)
     rows = np.add(fitted.points.T, target.origin, order="C")
-    if frame.pieces is not None:
-        same = (fitted.arguments == inner).all(axis=1, keepdims=True)
-        if start.joined:
-            np.copyto(rows[:3], kept[:3], where=same[:3])
-        if stop.joined:
-            np.copyto(rows[-3:], kept[3:], where=same[3:])
+    # A dictated control point whose knots stay is the old one, bit by bit.
+    if frame.left:
+        stay = _common(fitted.x[:3], frame.left.knots[3:])
+        rows[:stay] = old[:stay]
+    if frame.right:
+        stay = _common(fitted.x[:-4:-1], frame.right.knots[2::-1])
+        rows[len(rows) - stay :] = old[len(old) - stay :]
     spliced = curve.replaced(
         (start.span + 1, stop.span + 1), fitted.u, (start.span - 2, stop.span), rows
     )
     return spliced, max(fitted.bound, start.bound, stop.bound)
+
+
+def _common(new: Array, old: Array) -> int:
+    """Count how many of the first three knots stay."""
+    pairs = zip(new.tolist(), old.tolist(), strict=True)
+    return next((k for k, (a, b) in enumerate(pairs) if a != b), 3)
 
 
 def _start(curve: Graded, target: Target, a: float, span: int) -> _End:
@@ -191,7 +176,7 @@ def _lead_in(curve: Graded, target: Target, end: float, span: int, *, forwards: 
     gap = math.sqrt(float(away @ away))
     room = float(target.allowances[chord]) - gap
     if room <= 0.0:
-        raise _gap_error(target, end, gap, chord)
+        raise gap_error(target, end, gap, chord)
     next_knot = float(knots[4] if forwards else knots[3])
     reach = min(abs(next_knot - end), _LEAD_IN * float(t[-1] - t[0]))
     slope = evaluate(knots, points, 3, at, order=1)[0] - target.slopes[:, chord]
@@ -217,7 +202,7 @@ def _lead_in(curve: Graded, target: Target, end: float, span: int, *, forwards: 
             if bound is not None:
                 return _End(u, span, True, bound)
         reach *= _NEARER
-    raise _gap_error(target, end, gap, chord)
+    raise gap_error(target, end, gap, chord)
 
 
 def _led(knots: Array, points: Array, target: Target, end: float, near: float) -> float | None:
@@ -231,38 +216,17 @@ def _led(knots: Array, points: Array, target: Target, end: float, near: float) -
     return float(proved.max()) if kept else None
 
 
-def _gap_error(target: Target, end: float, gap: float, chord: int) -> ToleranceError:
-    allowance = float(target.allowances[chord])
-    return ToleranceError(
-        f"at t = {end:.6g}, where the splice must join the curve outside, that is {gap:.3g} from "
-        f"the samples already; {allowance:.3g} is allowed and the rest of it too little to lead in",
-        tolerance=allowance,
-        where=end,
-    )
+def _frame(curve: Graded, start: _End, stop: _End, origin: Array) -> Frame:
+    """Cut out the surroundings."""
+    left, right = (_piece(curve, end, origin) if end.joined else None for end in (start, stop))
+    before = left.knots[:3] if left else curve.knots(start.span - 2, start.span + 1)
+    after = right.knots[3:] if right else curve.knots(stop.span + 1, stop.span + 4)
+    return Frame(before, after, left, right)
 
 
-def _fineness_error(target: Target, domain: Interval) -> ToleranceError:
-    return ToleranceError(
-        f"near the ends of the splice [{target.t[0]:.17g}, {target.t[-1]:.17g}] knots finer "
-        f"than the finest on T = {domain} would be needed"
-    )
-
-
-def _frame(curve: Graded, start: _End, stop: _End, origin: Array) -> tuple[Frame, Array, Array]:
-    """Cut out the surroundings, and inner knots (6, 3) and rows (6, d) to keep if they stay."""
-    before = curve.knots(start.span - 2, start.span + 1)
-    after = curve.knots(stop.span + 1, stop.span + 4)
-    if not (start.joined or stop.joined):
-        return Frame(before, after, None, False, False), np.empty((0, 3)), np.empty((0, 1))
-    sides = [
-        (curve.knots(end.span - 2, end.span + 4), curve.points.window(end.span - 3, end.span + 1))
-        for end in ((start if start.joined else stop), (stop if stop.joined else start))
-    ]
-    (left_knots, left), (right_knots, right) = sides
-    inner = np.concatenate((left_knots, right_knots)).take(_INNER)
-    pieces = frame_pieces((left_knots, left - origin), (right_knots, right - origin))
-    kept = np.concatenate((left[1:], right[:3]))
-    return Frame(before, after, pieces, start.joined, stop.joined), inner, kept
+def _piece(curve: Graded, end: _End, origin: Array) -> Piece:
+    knots = curve.knots(end.span - 2, end.span + 4)
+    return Piece(knots, curve.points.window(end.span - 3, end.span + 1) - origin)
 
 
 def _knots_to_keep(curve: Graded, start: _End, stop: _End) -> tuple[Array, Array]:
@@ -286,93 +250,3 @@ def _knots_to_keep(curve: Graded, start: _End, stop: _End) -> tuple[Array, Array
         else:
             first = first[:1]
     return first, last
-
-
-def _fit(
-    target: Target,
-    ends: tuple[Array, Array],
-    domain: Interval,
-    frame: Frame,
-    magnitude: float,
-    *,
-    thin: bool,
-) -> Attempt:
-    """Predict the knots between the first and the last ones, then fit."""
-    problem = Problem.of(target, domain, frame, magnitude)
-    shortest = 2.0 ** -finest_level(domain)
-    first, last = ends
-    u = np.array([first[0], last[-1]])
-    if frame.pieces is not None:
-        lengths = _first_spans(target, parameters(u, domain), frame)
-        if not min(lengths):
-            # The old piece beside an end is a sliver; continued, it swings out at once.
-            raise _fineness_error(target, domain)
-        lengths = lengths[0] / domain.length, lengths[1] / domain.length
-        if len(first) > 1 and float((first[1:] - first[:-1]).max()) > _ABOUT * lengths[0]:
-            first = first[:1]
-        if len(last) > 1 and float((last[1:] - last[:-1]).max()) > _ABOUT * lengths[1]:
-            last = last[-1:]
-        u = starting(float(first[-1]), float(last[0]), *lengths)
-    if len(target.corners):
-        sharp = clusters(
-            (target.corners - domain.start) / domain.length,
-            np.maximum(target.widths / domain.length, 8 * shortest),
-        )
-        u = np.concatenate((u, sharp[(sharp > u[0]) & (sharp < u[-1])]))
-        u.sort()
-        u = u[np.concatenate(([True], u[1:] > u[:-1]))]
-    while len(u) <= _FEWEST_SPANS[frame.left + frame.right]:
-        u = np.sort(np.concatenate((u, halves(u[:-1], u[1:]))))
-    if (u[1:] - u[:-1]).min() < shortest:
-        raise _fineness_error(target, domain)
-    more = predict(target, u[:-1], u[1:], shortest, domain)
-    u = np.concatenate((first[:-1], u, more, last[1:]))
-    u.sort()
-    return fit_stretch(problem, u, shortest=shortest, thin=thin)
-
-
-def _first_spans(target: Target, ends: Array, frame: Frame) -> tuple[float, float]:
-    """Return how long the first and last span may be for the curve to turn to the target.
-
-    As far as the old piece, continued, departs from the target by 3/2 of the room there is (0 where
-    it does so at once): a curve that leaves it with all derivatives but the third is off by 0.6 s h
-    on spans of length h if the target leaves at the slope s.
-    """
-    assert frame.pieces is not None
-    start, stop = ends.tolist()
-    steps = (stop - start) * _STEPS
-    lengths = [stop - start, stop - start]
-    for side, joined in enumerate((frame.left, frame.right)):
-        if joined:
-            end = stop if side else start
-            far, gap, chord = _departure(target, frame.pieces, side, end, -steps if side else steps)
-            if gap > target.allowances[chord]:
-                raise _gap_error(target, end, gap, chord)
-            if far > 0:
-                lengths[side] = float(steps[far - 1])
-    return lengths[0], lengths[1]
-
-
-def _departure(
-    target: Target, pieces: tuple[Array, Array], side: int, end: float, steps: Array
-) -> tuple[int, float, int]:
-    """Return the first step where the old piece is too far off (or -1), the gap at 0, its chord."""
-    if compiled.active:
-        polyline = target.t, target.points, target.slopes, target.allowances
-        return compiled.core.departure(*polyline, *pieces, _SPANS[side], end, steps)
-    t = end + steps
-    values, chords = target.at(t)
-    spans = np.full(len(t), _SPANS[side])
-    away = blossom(*pieces, 3, spans, t[:, None].repeat(3, axis=1)).T - values
-    gap = math.sqrt(float(np.square(away[:, 0]).sum()))
-    allowance = float(target.allowances[chords[0]])
-    square = np.square(away - away[:, :1]).sum(axis=0)
-    far = square > (1.5 * max(allowance - gap, allowance / 8)) ** 2
-    return int(far.argmax()) if far.any() else -1, gap, int(chords[0])
-
-
-#: Where the old pieces are compared with the target, in parts of the stretch from the joined end.
-_STEPS = np.concatenate(([0.0], 2.0 ** np.arange(-38.0, 0.0)))
-#: The spans of the old pieces, see `frame_pieces`.
-_SPANS = (3, 10)
-_INNER = np.array([[1, 2, 3], [2, 3, 4], [3, 4, 5], [6, 7, 8], [7, 8, 9], [8, 9, 10]])

@@ -17,6 +17,7 @@ from hypothesis import strategies as st
 
 from multirep.bitwise import common_ends
 from multirep.blocks import BlockArray
+from multirep.errors import ToleranceError
 from multirep.interval import Interval
 from multirep.representations.nurbs import boehm
 from multirep.representations.nurbs.changes import difference
@@ -26,7 +27,7 @@ from multirep.representations.nurbs.refinement import window_breakpoints
 from multirep.representations.polyline.differences import _between_common
 from multirep.representations.polyline.sampling import _corners
 from multirep.representations.polyline.simplification import simplify
-from multirep.representations.wavelet import attempt, prediction, splicing
+from multirep.representations.wavelet import attempt, beginning, prediction
 from multirep.representations.wavelet.analysis import analyse
 from multirep.representations.wavelet.details import plus
 from multirep.representations.wavelet.dyadic import halves, level_counts
@@ -372,18 +373,13 @@ def targets(draw: st.DrawFn) -> tuple[Target, attempt.Problem, Array]:
     points += draw(st.sampled_from([0.0, 1e6])) * scale
     sampled = SampledSplice(t, points)
     target = Target.of(sampled, draw(st.sampled_from([1.0, 1e-3])) * scale)
-    joined = draw(st.booleans())
-    pieces = None
-    if joined:
-        knots = (np.arange(-2.0, 4.0) / 8, np.arange(-2.0, 4.0) / 8 + 0.9)
-        local = rng.integers(-64, 65, (2, 4, d)) / 64 * scale
-        pieces = attempt.frame_pieces((knots[0], local[0]), (knots[1], local[1]))
+    knots, local = np.arange(-2.0, 4.0) / 8, rng.integers(-64, 65, (2, 4, d)) / 64 * scale
+    left, right = draw(st.tuples(st.booleans(), st.booleans()))
     frame = attempt.Frame(
-        np.array([-3, -2, -1]) / 8 if joined else np.zeros(3),
-        np.array([9, 10, 11]) / 8 if joined else np.ones(3),
-        pieces,
-        joined,
-        joined,
+        np.array([-3, -2, -1]) / 8 if left else np.zeros(3),
+        np.array([9, 10, 11]) / 8 if right else np.ones(3),
+        attempt.Piece(knots, local[0]) if left else None,
+        attempt.Piece(knots + 0.9, local[1]) if right else None,
     )
     problem = attempt.Problem.of(target, Interval(0.0, 1.0), frame, scale)
     return target, problem, u
@@ -601,25 +597,36 @@ def test_changes_of_a_level_are_added_alike(
     assert fast.magnitude == pure.magnitude
 
 
-@given(targets(), st.floats(0, 1))
-def test_old_pieces_depart_from_the_target_alike(
-    drawn: tuple[Target, attempt.Problem, Array], place: float
+@given(targets(), st.integers(0, 30), st.integers(4, 20), st.data())
+def test_fits_begin_with_the_same_knots(
+    drawn: tuple[Target, attempt.Problem, Array], first: int, level: int, data: st.DataObject
 ) -> None:
-    """How far a cubic that joins is followed, how far off it is at the end, from either end."""
-    target, problem, _ = drawn
-    pieces = problem.frame.pieces
-    assume(pieces is not None)
-    assert pieces is not None
-    steps = np.concatenate(([0.0], 2.0 ** np.arange(-38.0, 0.0))) * (1 - 0.5 * place)
-    for side, end, away in ((0, 0.5 * place, steps), (1, 1.0, -steps)):
-        fast, pure = both(
-            lambda side=side, end=end, away=away: splicing._departure(
-                target, pieces, side, end, away
+    """Old knots that stay, turns, corners and predictions; and the same refusals."""
+    target, problem, u = drawn
+    slip = st.sampled_from([0.0, 0.25, 2.0])
+    frame = attempt.Frame(
+        *problem.frame[:2],
+        *(
+            piece and attempt.Piece(piece.knots, piece.points * 0 + near + data.draw(slip) * room)
+            for piece, near, room in zip(
+                problem.frame[2:],
+                target.points.T[[0, -1]],
+                target.allowances[[0, -1]],
+                strict=True,
             )
-        )
-        assert fast[0] == pure[0]
-        assert fast[1] == pytest.approx(pure[1], rel=1e-14)
-        assert fast[2] == pure[2]
+        ),
+    )
+    ends = u[: 1 + first % 3], u[len(u) - 1 - first % 2 :]
+    domain = Interval(0.0, 1.0)
+    shortest = 2.0**-level
+    said = []
+    for active in (True, False):
+        with core(active):
+            try:
+                said.append(beginning.beginning(target, ends, domain, frame, shortest).tolist())
+            except ToleranceError as error:
+                said.append(str(error))
+    assert said[0] == said[1]
 
 
 @given(st.integers(1, 40), st.integers(1, 4), seeds)
@@ -779,15 +786,24 @@ def test_what_could_be_read_beyond_its_end_is_refused() -> None:
             call.plus(np.arange(5.0), np.arange(5.0), 1.0, first, level, rows, np.zeros((1, 1)))
     around, limits, nets = np.arange(3.0), np.ones(1), np.empty((4, 1, 2))
     line = np.array([0.0, 0.5]), np.zeros((1, 2)), np.zeros((1, 1))
-    for span in (2, 4):
-        with pytest.raises(ValueError, match="out of bounds"):
-            call.departure(*line, limits, np.arange(8.0), np.zeros((4, 1)), span, 0.0, around)
+    ends = np.empty(0), np.empty(0), np.zeros(1), np.ones(1)
+    tables = 1, 0.0, 1.0, 1e-9, 0.25, np.ones((2, 1)), np.zeros(1)
+    for old, rows in ((5, 4), (6, 3)):
+        piece = np.arange(float(old)), np.zeros((rows, 1))
+        with pytest.raises(ValueError, match="six knots and four"):
+            call.beginning(*line, limits, *ends, *piece, None, None, *tables)
+    with pytest.raises(ValueError, match="a width for each corner"):
+        call.beginning(*line, limits, np.zeros(1), *ends[1:], None, None, None, None, *tables)
+    for last in (0.0, np.nan, -1.0):
+        ends = *ends[:3], np.array([last])
+        with pytest.raises(ValueError, match="a stretch"):
+            call.beginning(*line, limits, *ends, None, None, None, None, *tables)
     far = np.array([0.0, 0.5]), np.ones((1, 2)), np.zeros((1, 1)), limits * 0.0, np.empty(0)
     spans = np.array([0.0]), np.array([np.inf]), 1e-9, 0.0, 1.0, 0.25
     with pytest.raises(ValueError, match="without end"):
         call.predict(*far, *spans, np.ones((2, 1)), np.zeros(1))
     for x in ([0.0, 9.0, 0.5], [0.0, np.nan, 0.5], [0.0, 0.5, np.nan]):
-        fit = (around, np.array(x), around, 0, 5, np.zeros((1, 5)), nets, np.empty(2))
+        fit = (around, np.array(x), around, *[None] * 4, np.zeros((1, 5)), nets, np.empty(2))
         with pytest.raises(ValueError, match="ascend"):
             call.attempt(*line, limits, *fit)
 
@@ -815,19 +831,19 @@ def test_what_is_no_number_is_never_proved(
 
 
 def test_a_fit_that_is_no_number_proves_nothing() -> None:
-    """One control point that is none spoils the bound of all and the ratio of its own spans."""
+    """A control point that is none spoils the bound and the ratio of every span that it reaches."""
     t, zero = np.array([0.0, 1.0]), np.zeros(1)
-    points, nets, ratios = np.zeros((1, 6)), np.empty((4, 1, 3)), np.empty(3)
-    points[0, 0] = np.nan
-    x = np.array([0.0, 0.25, 0.5, 1.0])
+    points, nets, ratios = np.empty((1, 6)), np.empty((4, 1, 3)), np.empty(3)
+    x, old = np.array([0.0, 0.25, 0.5, 1.0]), np.zeros((4, 1))
+    spoilt = np.array([[np.nan], [0.0], [0.0], [0.0]])
     bound = compiled.core.attempt(
         *(t, np.zeros((1, 2)), zero[:, None], zero + 1.0, np.array([-3.0, -2.0, -1.0]), x),
-        *(np.array([2.0, 3.0, 4.0]), 6, 6, points, nets, ratios),
+        *(np.array([2.0, 3.0, 4.0]), np.array([-2.0, -1.0, 0.0, 0.25, 0.5, 1.0]), spoilt),
+        *(np.array([0.0, 0.25, 0.5, 1.0, 2.0, 3.0]), old, points, nets, ratios),
     )
     assert bound is not None
     assert np.isnan(bound)
-    assert np.isnan(ratios[0])
-    assert (ratios[1:] == 0.0).all()
+    assert np.isnan(ratios).all()
 
 
 def test_a_far_parameter_is_found_from_anywhere() -> None:
