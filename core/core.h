@@ -311,7 +311,7 @@ METHOD(core_kinks);
 METHOD(core_simplify);
 METHOD(core_common);
 METHOD(core_changed_spans);
-METHOD(core_level_counts);
+METHOD(core_recount);
 METHOD(core_refine_uniform);
 METHOD(core_add_details);
 METHOD(core_analyse);

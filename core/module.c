@@ -33,7 +33,7 @@ static PyMethodDef methods[] = {
     ENTRY(simplify),
     ENTRY(common),
     ENTRY(changed_spans),
-    ENTRY(level_counts),
+    ENTRY(recount),
     ENTRY(refine_uniform),
     ENTRY(add_details),
     ENTRY(analyse),

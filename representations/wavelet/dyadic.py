@@ -23,6 +23,7 @@ __all__ = [
     "level_counts",
     "levels",
     "parameters",
+    "recounted",
     "starting",
 ]
 
@@ -171,16 +172,28 @@ def levels(u: Array) -> Indices:
 
 
 def level_counts(u: Array) -> Indices:
-    """Count knots by level, (53,); kept up to date by what an edit takes out and puts in.
+    """Count knots by level, (53,).
 
     Examples
     --------
     >>> level_counts(np.array([0.25, 0.5, 0.75]))[:4].tolist()
     [0, 1, 2, 0]
     """
+    return recounted(np.zeros(53, dtype=np.intp), u, u[:0])
+
+
+def recounted(counts: Indices, added: Array, removed: Array) -> Indices:
+    """Return the counts after an edit put some knots in and took some out.
+
+    Examples
+    --------
+    >>> recounted(level_counts(np.array([0.25, 0.5])), np.array([0.75]), np.array([0.5]))[:3]
+    array([0, 0, 2])
+    """
     if compiled.active:
-        found = np.empty(53, dtype=np.intp)
-        compiled.core.level_counts(u, found)
+        found = counts.copy()
+        compiled.core.recount(added, removed, found)
         return found
-    counts: Indices = np.bincount(levels(u), minlength=53)
-    return counts
+    changed: Indices = counts + np.bincount(levels(added), minlength=53)
+    changed -= np.bincount(levels(removed), minlength=53)
+    return changed

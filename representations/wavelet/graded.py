@@ -12,7 +12,7 @@ from multirep.arrays import Array, Indices
 from multirep.blocks import BlockArray
 from multirep.interval import Interval
 from multirep.patches import patch_of, patched
-from multirep.representations.wavelet.dyadic import level_counts, parameters
+from multirep.representations.wavelet.dyadic import level_counts, parameters, recounted
 from multirep.splices import SpliceList
 from multirep.splines import compiled
 from multirep.splines.evaluation import evaluate
@@ -130,7 +130,7 @@ class Graded:
         if not len(u) and knots[0] == knots[1]:
             return Graded(self.domain, self.u, changed, self.counts, magnitude)
         # Ends of T in both cancel; their level is 0 like that of no other knot.
-        counts = self.counts + level_counts(u) - level_counts(self.u.window(*knots))
+        counts = recounted(self.counts, u, self.u.window(*knots))
         return Graded(self.domain, self.u.replaced(*knots, u), changed, counts, magnitude)
 
     def patch(self, other: Graded) -> bytes | None:
@@ -147,8 +147,7 @@ class Graded:
         counts = self.counts
         if u is not self.u:
             low, high, other = u.difference(self.u)
-            counts = counts + level_counts(u.window(low, high))
-            counts -= level_counts(self.u.window(low, other))
+            counts = recounted(counts, u.window(low, high), self.u.window(low, other))
         return Graded(self.domain, u, points, counts, magnitude)
 
     def refined(self, u: Array) -> Graded:

@@ -16,6 +16,7 @@ import numpy as np
 
 from multirep.arrays import Array
 from multirep.errors import InvalidCurveError, ParameterError
+from multirep.interval import Interval
 from multirep.representations.wavelet.attempt import Frame, Piece, Problem
 from multirep.representations.wavelet.beginning import beginning, gap_error
 from multirep.representations.wavelet.dyadic import coarsest_between, finest_level, parameters
@@ -87,8 +88,10 @@ def _simpler(sampled: SampledSplice, tolerance: float) -> tuple[Target, float]:
     return Target.along(t, points, allowances), left_out
 
 
-def splice(curve: Graded, sampled: SampledSplice, *, tolerance: float) -> tuple[Graded, float]:
-    """Follow a polyline on its interval; returns the new curve with its proved deviation there.
+def splice(
+    curve: Graded, sampled: SampledSplice, *, tolerance: float
+) -> tuple[Graded, Interval, float]:
+    """Follow a polyline on its interval.
 
     Parameters
     ----------
@@ -98,6 +101,14 @@ def splice(curve: Graded, sampled: SampledSplice, *, tolerance: float) -> tuple[
         On any interval inside T.
     tolerance : float
         As in :meth:`SampledSplice.allowance`.
+
+    Returns
+    -------
+    curve : Graded
+    changed : Interval
+        Outside, not a bit is another.
+    bound : float
+        The proved deviation on the interval of the samples.
 
     Raises
     ------
@@ -129,17 +140,21 @@ def splice(curve: Graded, sampled: SampledSplice, *, tolerance: float) -> tuple[
     u = beginning(target, ends, curve.domain, frame, shortest)
     fitted = fit_stretch(problem, u, shortest=shortest, thin=False)
     rows = np.add(fitted.points.T, target.origin, order="C")
-    # A dictated control point whose knots stay is the old one, bit by bit.
+    # A dictated control point whose knots stay is the old one, bit by bit; the support of the next
+    # one is where the change begins.
+    begin, end = curve.domain
     if frame.left:
         stay = _common(fitted.x[:3], frame.left.knots[3:])
         rows[:stay] = old[:stay]
+        begin = float(frame.left.knots[stay])
     if frame.right:
         stay = _common(fitted.x[:-4:-1], frame.right.knots[2::-1])
         rows[len(rows) - stay :] = old[len(old) - stay :]
+        end = float(frame.right.knots[5 - stay])
     spliced = curve.replaced(
         (start.span + 1, stop.span + 1), fitted.u, (start.span - 2, stop.span), rows
     )
-    return spliced, max(fitted.bound, start.bound, stop.bound)
+    return spliced, Interval(begin, end), max(fitted.bound, start.bound, stop.bound)
 
 
 def _common(new: Array, old: Array) -> int:

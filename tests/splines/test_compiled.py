@@ -30,7 +30,7 @@ from multirep.representations.polyline.simplification import simplify
 from multirep.representations.wavelet import attempt, beginning, prediction
 from multirep.representations.wavelet.analysis import analyse
 from multirep.representations.wavelet.details import plus
-from multirep.representations.wavelet.dyadic import halves, level_counts
+from multirep.representations.wavelet.dyadic import halves, level_counts, recounted
 from multirep.representations.wavelet.filters import (
     add_details,
     column_table,
@@ -481,6 +481,8 @@ def test_levels_are_counted_alike(numerators: list[int]) -> None:
     u = np.concatenate((np.array(numerators, dtype=float) / 2**20, [2.0**-46, 0.0, 1.0]))
     fast, pure = both(lambda: level_counts(u))
     assert same(fast, pure)
+    fast, pure = both(lambda: recounted(pure, u[::2], u[1::3]))
+    assert same(fast, pure)
 
 
 @given(
@@ -760,7 +762,7 @@ def test_what_does_not_fit_is_refused() -> None:
     with pytest.raises(TypeError, match="expected 2 arguments"):
         call.common(points)  # type: ignore[call-arg]
     with pytest.raises((BufferError, ValueError)):
-        call.level_counts(t, np.zeros(106, dtype=np.intp)[::2])
+        call.recount(t, t, np.zeros(106, dtype=np.intp)[::2])
     spans.setflags(write=False)
     with pytest.raises((BufferError, ValueError)):
         call.find_spans(knots, 2, t, spans)
