@@ -223,8 +223,12 @@ typedef struct {
 
 Density density_of(Call *call, const Spline *spline, int rational, double start, double stop,
                    double target);
-Density corrected_density(Call *call, Density *density, Index chords, const double *t,
-                          const double *needs);
+Density empty_density(Call *call, Index cells);
+/* What a chord counts that proved to need such a part of the tolerance's square root. */
+double share_needed(double need);
+/* Scale the density between t[0] and t[chords] so that the share of each chord is what it needs;
+`finer` has room for a cell more for each chord. */
+void correct(Density *density, Index chords, const double *t, const double *needs, Density *finer);
 /* The sum up to a parameter. */
 double sum_at(Density *density, double t);
 /* The starts of so many chords of equal shares between two sums; the first starts at `begin`. */

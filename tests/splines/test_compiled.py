@@ -782,6 +782,13 @@ def test_what_could_be_read_beyond_its_end_is_refused() -> None:
     for start, stop in ((1.0, 0.0), (float("nan"), 1.0)):
         with pytest.raises(ValueError, match="interval"):
             call.sample(knots, np.zeros((3, 2)), 2, False, start, stop, 1.0)
+    with pytest.raises(ValueError, match="interval"):
+        call.sample(knots, np.zeros((3, 2)), 2, False, 0.0, float("inf"), 1.0)
+    for place, bad in ((5, np.inf), (0, -np.inf), (2, np.nan), (2, -1.0), (3, -1.0)):
+        broken = knots.copy()
+        broken[place] = bad
+        with pytest.raises(ValueError, match="finite and not descend"):
+            call.sample(broken, np.eye(3), 2, False, 0.0, 1.0, 1e-3)
     rows, level = np.ones((1, 1)), np.arange(-6.0, 5.0)
     for first in (-9, 9):
         with pytest.raises(ValueError, match="beyond the changes"):
