@@ -599,33 +599,43 @@ def test_changes_of_a_level_are_added_alike(
     assert fast.magnitude == pure.magnitude
 
 
-@given(targets(), st.integers(0, 30), st.integers(4, 20), st.data())
+@given(
+    st.integers(-6, 6),
+    st.integers(1, 4),
+    st.tuples(*[st.sampled_from([None, 0.0, 0.25, 0.95, 2.0])] * 2),
+    st.tuples(*[st.tuples(st.integers(0, 2), st.integers(2, 12))] * 2),
+    st.lists(st.tuples(st.integers(1, 63), st.integers(1, 64)), max_size=3),
+    st.sampled_from([8, 12, 40]),
+)
 def test_fits_begin_with_the_same_knots(
-    drawn: tuple[Target, attempt.Problem, Array], first: int, level: int, data: st.DataObject
+    size: int,
+    power: int,
+    gaps: tuple[float | None, float | None],
+    kept: tuple[tuple[int, int], tuple[int, int]],
+    spikes: list[tuple[int, int]],
+    level: int,
 ) -> None:
-    """Old knots that stay, turns, corners and predictions; and the same refusals."""
-    target, problem, u = drawn
-    slip = st.sampled_from([0.0, 0.25, 2.0])
-    frame = attempt.Frame(
-        *problem.frame[:2],
-        *(
-            piece and attempt.Piece(piece.knots, piece.points * 0 + near + data.draw(slip) * room)
-            for piece, near, room in zip(
-                problem.frame[2:],
-                target.points.T[[0, -1]],
-                target.allowances[[0, -1]],
-                strict=True,
-            )
-        ),
-    )
-    ends = u[: 1 + first % 3], u[len(u) - 1 - first % 2 :]
-    domain = Interval(0.0, 1.0)
-    shortest = 2.0**-level
-    said = []
+    """Old knots that stay, turns from old pieces, corners and predictions; the same refusals."""
+    t = np.arange(65) / 64
+    points = 2.0**size * (4 * t * (1 - t)) ** power
+    for at, height in spikes:
+        points[at] += height / 8
+    target = Target.of(SampledSplice(t, points[:, None]), 1 / 64)
+    pieces = [
+        None if gap is None else attempt.Piece(np.arange(-2.0, 4.0) / 4 + end, np.full((4, 1), gap))
+        for end, gap in zip((0.0, 0.75), (gap and gap / 64 for gap in gaps), strict=True)
+    ]
+    outside = np.array([-3.0, -2.0, -1.0]), np.array([2.0, 3.0, 4.0])
+    frame = attempt.Frame(*outside, *pieces)
+    inside = [np.arange(count + 1) * 2.0**-fine for count, fine in kept]
+    ends = inside[0], 1 - inside[1][::-1]
+    assume(ends[0][-1] < ends[1][0])
+    domain, said = Interval(0.0, 1.0), []
     for active in (True, False):
         with core(active):
             try:
-                said.append(beginning.beginning(target, ends, domain, frame, shortest).tolist())
+                u = beginning.beginning(target, ends, domain, frame, 2.0**-level)
+                said.append(u.tolist())
             except ToleranceError as error:
                 said.append(str(error))
     assert said[0] == said[1]
