@@ -51,15 +51,15 @@ static void map_of(const double *knots, double map[4][4])
 }
 
 /* The control points (d, columns) at a joined end, from column `first` on: polar forms of the old
-piece, whose six knots and four rows are given. `around` are the five knots that define them. */
-static void dictate(Table knots, Table rows, const double *around, Index first, double *room,
+piece. `around` are the five knots that define them. */
+static void dictate(const Piece *piece, const double *around, Index first, double *room,
                     Table points)
 {
-    Index d = rows.columns;
+    Index d = piece->points.columns;
     for (Index k = 0; k < PINNED; k++) {
-        memcpy(room, rows.at, (size_t)((DEGREE + 1) * d) * sizeof(double));
+        memcpy(room, piece->points.at, (size_t)((DEGREE + 1) * d) * sizeof(double));
         for (Index step = 0; step < DEGREE; step++)
-            blossom_step(knots.at, DEGREE, d, around[k + step], step, room);
+            blossom_step(piece->knots.at, DEGREE, d, around[k + step], step, room);
         for (Index c = 0; c < d; c++)
             points.at[c * points.columns + first + k] = room[c];
     }
@@ -246,66 +246,48 @@ static double certified(const Marks *marks, Table x, Index d, const double *nets
     return sqrt(bound);
 }
 
-METHOD(core_attempt)
+Stretch stretch_of(Call *call, PyObject *const *values)
 {
-    /* t, points, slopes of the target, limits, knots before the stretch (3,), its knots (n + 1,),
-    knots behind it, knots (6,) and control points (4, d) of the old pieces to be joined on the left
-    and on the right, None where there is none, control points (d, n + 3), nets (4, d, n), ratios
-    (n,); returns the bound, None if the control points are not determined */
-    Call call;
-    begin(&call, count, 14);
-    if (call.failed)
-        return finish(&call, NULL);
-    Target target = target_of(&call, values);
-    Table limits = reals(&call, values[3]), before = reals(&call, values[4]);
-    Table x = reals(&call, values[5]), after = reals(&call, values[6]), old[2][2];
+    Stretch stretch = {.target = target_of(call, values), .limits = reals(call, values[3]),
+                       .before = reals(call, values[4]), .after = reals(call, values[5])};
     for (int side = 0; side < 2; side++)
-        for (int k = 0; k < 2; k++)
-            old[side][k] = reals_or_none(&call, values[7 + 2 * side + k]);
-    Table points = output(&call, values[11]), nets = output(&call, values[12]);
-    Table ratios = output(&call, values[13]);
-    Index n = x.rows - 1, d = target.d;
-    expect(&call,
-           limits.rows == target.chords && before.rows == 3 && after.rows == 3 && n >= 1,
+        stretch.old[side] = piece_of(call, values + 6 + 2 * side, stretch.target.d);
+    expect(call,
+           stretch.limits.rows == stretch.target.chords && stretch.before.rows == 3 &&
+               stretch.after.rows == 3,
            "limits, or knots before or behind, are missing");
-    expect(&call,
-           points.rows == d && points.columns == n + 3 && nets.rows == 4 &&
-               nets.columns == d * n && ratios.rows == n,
-           "the outputs are of wrong lengths");
-    for (int side = 0; side < 2; side++)
-        expect(&call,
-               !old[side][0].at || (old[side][0].rows == 2 * DEGREE && old[side][1].columns == d &&
-                                    old[side][1].rows == DEGREE + 1 && n >= 2),
-               "an old piece needs six knots and four control points");
-    for (Index span = 0; !call.failed && span < n; span++)
-        expect(&call, x.at[span] < x.at[span + 1], "knots must ascend");
-    double *knots = scratch(&call, n + 7), *room = scratch(&call, (DEGREE + 1) * d);
-    double(*maps)[4][4] = (double(*)[4][4])scratch(&call, 16 * n);
-    if (call.failed)
-        return finish(&call, NULL);
-    memcpy(knots, before.at, 3 * sizeof(double));
+    stretch.tightest = call->failed ? 0.0 : stretch.limits.at[0];
+    for (Index i = 1; !call->failed && i < stretch.limits.rows; i++)
+        stretch.tightest = smaller(stretch.limits.at[i], stretch.tightest);
+    return stretch;
+}
+
+int attempted(Call *call, const Stretch *stretch, Table x, Table points, double *nets,
+              double *ratios, double *bound)
+{
+    Index n = x.rows - 1, d = stretch->target.d, first = 0, stop = n + 3;
+    const double *limits = stretch->limits.at;
+    double *knots = scratch(call, n + 7), *room = scratch(call, (DEGREE + 1) * d);
+    double(*maps)[4][4] = (double(*)[4][4])scratch(call, 16 * n);
+    Marks marks = placed_marks(call, &stretch->target, x);
+    if (call->failed)
+        return 0;
+    memcpy(knots, stretch->before.at, 3 * sizeof(double));
     memcpy(knots + 3, x.at, (size_t)(n + 1) * sizeof(double));
-    memcpy(knots + n + 4, after.at, 3 * sizeof(double));
+    memcpy(knots + n + 4, stretch->after.at, 3 * sizeof(double));
     for (Index span = 0; span < n; span++)
         map_of(knots + span + 1, maps[span]);
-    double tightest = limits.at[0];
-    for (Index i = 1; i < limits.rows; i++)
-        tightest = smaller(limits.at[i], tightest);
     memset(points.at, 0, (size_t)(d * (n + 3)) * sizeof(double));
-    Index first = 0, stop = n + 3;
-    if (old[0][0].at) {
-        dictate(old[0][0], old[0][1], knots + 1, 0, room, points);
+    if (stretch->old[0].knots.at) {
+        dictate(stretch->old, knots + 1, 0, room, points);
         first += PINNED;
     }
-    if (old[1][0].at) {
-        dictate(old[1][0], old[1][1], knots + n + 1, n, room, points);
+    if (stretch->old[1].knots.at) {
+        dictate(stretch->old + 1, knots + n + 1, n, room, points);
         stop -= PINNED;
     }
-    Marks marks = placed_marks(&call, &target, x);
-    if (call.failed)
-        return finish(&call, NULL);
-    if (!solved_points(&call, &marks, x, d, maps, limits.at, tightest, first, stop, points))
-        return finish(&call, Py_NewRef(Py_None));
+    if (!solved_points(call, &marks, x, d, maps, limits, stretch->tightest, first, stop, points))
+        return 0;
     for (Index c = 0; c < d; c++)
         for (Index span = 0; span < n; span++) {
             const double *row = points.at + c * (n + 3) + span;
@@ -313,9 +295,37 @@ METHOD(core_attempt)
                 double sum = 0.0;
                 for (Index k = 0; k < 4; k++)
                     sum += maps[span][j][k] * row[k];
-                nets.at[(j * d + c) * n + span] = sum;
+                nets[(j * d + c) * n + span] = sum;
             }
         }
-    double bound = certified(&marks, x, d, nets.at, limits.at, room, ratios.at);
-    return finish(&call, PyFloat_FromDouble(bound));
+    *bound = certified(&marks, x, d, nets, limits, room, ratios);
+    return 1;
+}
+
+METHOD(core_attempt)
+{
+    /* t, points, slopes of the target, limits, knots before the stretch (3,) and behind it, knots (6,)
+    and control points (4, d) of the old pieces to be joined on the left and on the right, None where
+    there is none; the knots of the stretch (n + 1,), control points (d, n + 3), nets (4, d, n),
+    ratios (n,); returns the bound, None if the control points are not determined */
+    Call call;
+    begin(&call, count, 14);
+    if (call.failed)
+        return finish(&call, NULL);
+    Stretch stretch = stretch_of(&call, values);
+    Table x = reals(&call, values[10]), points = output(&call, values[11]);
+    Table nets = output(&call, values[12]), ratios = output(&call, values[13]);
+    Index n = x.rows - 1, d = stretch.target.d;
+    int joined = stretch.old[0].knots.at || stretch.old[1].knots.at;
+    expect(&call, n >= (joined ? 2 : 1), "a stretch needs more knots");
+    expect(&call,
+           points.rows == d && points.columns == n + 3 && nets.rows == 4 &&
+               nets.columns == d * n && ratios.rows == n,
+           "the outputs are of wrong lengths");
+    for (Index span = 0; !call.failed && span < n; span++)
+        expect(&call, x.at[span] < x.at[span + 1], "knots must ascend");
+    double bound = 0.0;
+    if (call.failed || attempted(&call, &stretch, x, points, nets.at, ratios.at, &bound))
+        return finish(&call, call.failed ? NULL : PyFloat_FromDouble(bound));
+    return finish(&call, Py_NewRef(Py_None));
 }

@@ -49,11 +49,6 @@ static void without_repetition(Knots *knots)
     knots->count = kept;
 }
 
-/* An old piece beside an end: six knots, four control points about the target's origin. */
-typedef struct {
-    Table knots, points;
-} Piece;
-
 /* How far the old piece, continued from an end by steps of `whole`, goes with the target: until it
 has departed from it by 3/2 of the room that the gap at the end leaves. Zero if it departs at once,
 negative if the gap is too large already. `rows` has room for five points. */
@@ -142,11 +137,7 @@ METHOD(core_beginning)
     Target target = target_of(&call, values);
     Table allowances = reals(&call, values[3]), corners = reals(&call, values[4]);
     Table widths = reals(&call, values[5]), kept[2] = {reals(&call, values[6]), reals(&call, values[7])};
-    Piece old[2];
-    for (int side = 0; side < 2; side++) {
-        old[side].knots = reals_or_none(&call, values[8 + 2 * side]);
-        old[side].points = reals_or_none(&call, values[9 + 2 * side]);
-    }
+    Piece old[2] = {piece_of(&call, values + 8, target.d), piece_of(&call, values + 10, target.d)};
     Index fewest = integer(&call, values[12]);
     double low = real(&call, values[13]), high = real(&call, values[14]), length = high - low;
     double shortest = real(&call, values[15]), margin = real(&call, values[16]);
@@ -156,11 +147,6 @@ METHOD(core_beginning)
     given.start = low, given.stop = high, given.shortest = shortest, given.margin = margin;
     expect(&call, widths.rows == corners.rows && kept[0].rows && kept[1].rows,
            "a width for each corner and two ends are wanted");
-    for (int side = 0; side < 2; side++)
-        expect(&call,
-               !old[side].knots.at || (old[side].knots.rows == 6 && old[side].points.rows == 4 &&
-                                       old[side].points.columns == target.d),
-               "an old piece needs six knots and four control points");
     double *rows = scratch(&call, 5 * target.d);
     if (call.failed)
         return finish(&call, NULL);

@@ -258,6 +258,33 @@ static inline double value_at(const Target *target, Index chord, double t, Index
            target->points.at[c * (target->chords + 1) + chord];
 }
 
+/* An old piece to be joined: the six knots around its span, four control points about the target's
+origin; no tables where nothing is joined. */
+typedef struct {
+    Table knots, points;
+} Piece;
+
+Piece piece_of(Call *call, PyObject *const *values, Index dimension);
+
+/* -- attempt.c: least squares and proofs on given knots ------------------------------------------- */
+
+/* What is fitted: the target with what is allowed on each chord, three knots before and behind, and
+the old pieces on the left and on the right. */
+typedef struct {
+    Target target;
+    Table limits, before, after;
+    Piece old[2];
+    double tightest;
+} Stretch;
+
+/* Of the first ten arguments: t, points and slopes of the target, limits, knots before and behind,
+and the two pieces. */
+Stretch stretch_of(Call *call, PyObject *const *values);
+/* Control points (d, n + 3), nets (4, d, n) and ratios (n,) for the knots x (n + 1,), and the bound; 0
+when the control points are not determined. */
+int attempted(Call *call, const Stretch *stretch, Table x, Table points, double *nets,
+              double *ratios, double *bound);
+
 /* -- prediction.c: how fine knots must be -------------------------------------------------------- */
 
 /* What is needed to look at a span, and the knots found so far. */
@@ -302,6 +329,7 @@ METHOD(core_fit);
 METHOD(core_chord_bounds);
 METHOD(core_sample);
 METHOD(core_attempt);
+METHOD(core_thin);
 METHOD(core_follow);
 METHOD(core_predict);
 METHOD(core_beginning);

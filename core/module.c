@@ -20,6 +20,7 @@ static PyMethodDef methods[] = {
     ENTRY(chord_bounds),
     ENTRY(sample),
     ENTRY(attempt),
+    ENTRY(thin),
     ENTRY(follow),
     ENTRY(predict),
     ENTRY(beginning),

@@ -18,6 +18,16 @@ Target target_of(Call *call, PyObject *const *values)
     return target;
 }
 
+Piece piece_of(Call *call, PyObject *const *values, Index dimension)
+{
+    Piece piece = {reals_or_none(call, values[0]), reals_or_none(call, values[1])};
+    expect(call,
+           !piece.knots.at || (piece.knots.rows == 6 && piece.points.rows == 4 &&
+                               piece.points.columns == dimension),
+           "an old piece needs six knots and four control points");
+    return piece;
+}
+
 METHOD(core_target)
 {
     /* t (m + 1,), points (m + 1, d), allowances (m,), two factors, points about the first one

@@ -131,17 +131,36 @@ def attempt(
     slopes: Array,
     limits: Array,
     before: Array,
-    x: Array,
     after: Array,
     left_knots: Array | None,
     left_points: Array | None,
     right_knots: Array | None,
     right_points: Array | None,
+    x: Array,
     control_points: Array,
     nets: Array,
     ratios: Array,
     /,
 ) -> float | None: ...
+def thin(
+    t: Array,
+    points: Array,
+    slopes: Array,
+    limits: Array,
+    before: Array,
+    after: Array,
+    left_knots: Array | None,
+    left_points: Array | None,
+    right_knots: Array | None,
+    right_points: Array | None,
+    x: Array,
+    nets: Array,
+    ratios: Array,
+    first: int,
+    last: int,
+    rounds: int,
+    /,
+) -> tuple[bytearray, bytearray, bytearray, bytearray, float] | None: ...
 def follow(
     t: Array, points: Array, slopes: Array, at: Array, values: Array, chords: IntArray, /
 ) -> None: ...

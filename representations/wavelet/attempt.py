@@ -8,7 +8,7 @@ bound it: the deviation is *proved* for every parameter.
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import NamedTuple, TypeAlias
 
 import attrs
 import numpy as np
@@ -28,6 +28,9 @@ _ROWS = 4
 #: Rounding of the certificate and of any float64 evaluation of the curve, in units of the largest
 #: coordinate.
 _ROUNDING = 64 * float(np.finfo(np.float64).eps)
+
+
+Pieces: TypeAlias = tuple[Array | None, Array | None, Array | None, Array | None]
 
 
 class Piece(NamedTuple):
@@ -62,7 +65,7 @@ class Frame(NamedTuple):
         return (self.left is not None) + (self.right is not None)
 
     @property
-    def arrays(self) -> tuple[Array | None, Array | None, Array | None, Array | None]:
+    def arrays(self) -> Pieces:
         """Knots and points of the two pieces, for the compiled core."""
         left, right = self.left, self.right
         return (
@@ -147,27 +150,28 @@ class Problem:
 
     def _attempt_at_once(self, u: Array) -> Attempt:
         """Solve and prove in the compiled core."""
-        target, x = self.target, parameters(u, self.domain)
-        frame = self.frame
-        count, dimension = len(x) - 1, len(target.origin)
+        x = parameters(u, self.domain)
+        count, dimension = len(x) - 1, len(self.target.origin)
         points, nets = np.empty((dimension, count + 3)), np.empty((4, dimension, count))
         ratios = np.empty(count)
-        bound = compiled.core.attempt(
+        bound = compiled.core.attempt(*self.arrays, x, points, nets, ratios)
+        if bound is None:
+            raise _undetermined(x)
+        return Attempt(u, x, points, nets, ratios, bound + self.slack)
+
+    @property
+    def arrays(self) -> tuple[Array, Array, Array, Array, Array, Array, *Pieces]:
+        """What the compiled core reads of the target, its limits and its surroundings."""
+        target, frame = self.target, self.frame
+        return (
             target.t,
             target.points,
             target.slopes,
             self.limits,
             frame.before,
-            x,
             frame.after,
             *frame.arrays,
-            points,
-            nets,
-            ratios,
         )
-        if bound is None:
-            raise _undetermined(x)
-        return Attempt(u, x, points, nets, ratios, bound + self.slack)
 
 
 class _Stretch(NamedTuple):

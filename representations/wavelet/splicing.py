@@ -20,7 +20,7 @@ from multirep.interval import Interval
 from multirep.representations.wavelet.attempt import Frame, Piece, Problem
 from multirep.representations.wavelet.beginning import beginning, gap_error
 from multirep.representations.wavelet.dyadic import coarsest_between, finest_level, parameters
-from multirep.representations.wavelet.fitting import fit_stretch
+from multirep.representations.wavelet.fitting import fit_stretch, thinned
 from multirep.representations.wavelet.graded import Graded, clamped
 from multirep.representations.wavelet.target import Target
 from multirep.sampled import SampledSplice
@@ -42,6 +42,9 @@ _LEAD_IN = 1 / 8
 #: How much nearer to the end the next try is when the old curve leaves the allowance on its
 #: lead-in.
 _NEARER = 1 / 4
+#: Rounds of thinning after a splice. Without them, curves that are edited all over keep a fifth
+#: more control points; what later rounds find is not worth the time of a drag step.
+_THINNINGS = 3
 
 
 class _End(NamedTuple):
@@ -72,7 +75,7 @@ def fit(sampled: SampledSplice, *, tolerance: float) -> tuple[Graded, float]:
     problem = Problem.of(target, domain, frame, largest_coordinate(sampled.points))
     shortest = 2.0 ** -finest_level(domain)
     u = beginning(target, (np.array([0.0]), np.array([1.0])), domain, frame, shortest)
-    fitted = fit_stretch(problem, u, shortest=shortest, thin=True)
+    fitted = thinned(problem, fit_stretch(problem, u, shortest=shortest))
     curve = Graded.of(domain, clamped(fitted.u), fitted.points.T + target.origin)
     return curve, fitted.bound + left_out
 
@@ -138,27 +141,36 @@ def splice(
     shortest = 2.0 ** -finest_level(curve.domain)
     ends = _knots_to_keep(curve, start, stop)
     u = beginning(target, ends, curve.domain, frame, shortest)
-    fitted = fit_stretch(problem, u, shortest=shortest, thin=False)
+    fitted = fit_stretch(problem, u, shortest=shortest)
+    stay = _staying(frame, fitted.x)
+    inside = max(stay[0] - 1, 0), max(stay[1] - 1, 0)
+    fitted = thinned(problem, fitted, kept=inside, rounds=_THINNINGS)
     rows = np.add(fitted.points.T, target.origin, order="C")
     # A dictated control point whose knots stay is the old one, bit by bit; the support of the next
     # one is where the change begins.
     begin, end = curve.domain
     if frame.left:
-        stay = _common(fitted.x[:3], frame.left.knots[3:])
-        rows[:stay] = old[:stay]
-        begin = float(frame.left.knots[stay])
+        rows[: stay[0]] = old[: stay[0]]
+        begin = float(frame.left.knots[stay[0]])
     if frame.right:
-        stay = _common(fitted.x[:-4:-1], frame.right.knots[2::-1])
-        rows[len(rows) - stay :] = old[len(old) - stay :]
-        end = float(frame.right.knots[5 - stay])
+        rows[len(rows) - stay[1] :] = old[len(old) - stay[1] :]
+        end = float(frame.right.knots[5 - stay[1]])
     spliced = curve.replaced(
         (start.span + 1, stop.span + 1), fitted.u, (start.span - 2, stop.span), rows
     )
     return spliced, Interval(begin, end), max(fitted.bound, start.bound, stop.bound)
 
 
+def _staying(frame: Frame, x: Array) -> tuple[int, int]:
+    """Count the old knots that stay, three at most, from either end of the stretch on."""
+    left, right = frame.left, frame.right
+    return (
+        _common(x[:3], left.knots[3:]) if left else 0,
+        _common(x[:-4:-1], right.knots[2::-1]) if right else 0,
+    )
+
+
 def _common(new: Array, old: Array) -> int:
-    """Count how many of the first three knots stay."""
     pairs = zip(new.tolist(), old.tolist(), strict=True)
     return next((k for k, (a, b) in enumerate(pairs) if a != b), 3)
 

@@ -10,6 +10,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, NamedTuple, TypeVar
 
+import attrs
 import numpy as np
 import pytest
 from hypothesis import assume, given
@@ -37,6 +38,7 @@ from multirep.representations.wavelet.filters import (
     end_rows,
     refine_uniform,
 )
+from multirep.representations.wavelet.fitting import thinned
 from multirep.representations.wavelet.graded import Graded, clamped
 from multirep.representations.wavelet.target import Target
 from multirep.sampled import SampledSplice, interpolate
@@ -396,6 +398,36 @@ def test_a_wavelet_fit_is_the_same(drawn: tuple[Target, attempt.Problem, Array])
     rounded = 1e-9 * scale / problem.limits.min()
     assert np.abs(fast.ratios - pure.ratios).max() <= rounded
     assert abs(fast.bound - pure.bound) <= 1e-9 * scale
+
+
+@given(targets(), st.tuples(st.integers(0, 2), st.integers(0, 2)), st.sampled_from([1, 3, 12]))
+def test_fits_are_thinned_alike(
+    drawn: tuple[Target, attempt.Problem, Array], kept: tuple[int, int], rounds: int
+) -> None:
+    """The same knots are spared but for ties, within the limits, and those that are kept stay."""
+    target, problem, u = drawn
+    smooth = np.square(target.t) * np.abs(target.points).max()
+    target = target._replace(points=np.tile(smooth, (len(target.origin), 1)))
+    target = target._replace(slopes=np.diff(target.points) / np.diff(target.t))
+    problem = attrs.evolve(problem, target=target)
+    room = 1.5 * problem.attempt(u).bound + np.abs(smooth).max() / 1024
+    problem = attrs.evolve(problem, limits=np.full(len(problem.limits), room))
+    found = problem.attempt(u)
+    fast, pure = both(lambda: thinned(problem, found, kept=kept, rounds=rounds))
+    for thin in (fast, pure):
+        assert thin.ratios.max() <= 1.0
+        assert thin.bound <= room + problem.slack
+        assert set(thin.u) <= set(u)
+        assert same(thin.u[: 1 + kept[0]], u[: 1 + kept[0]])
+        assert same(thin.u[len(thin.u) - 1 - kept[1] :], u[len(u) - 1 - kept[1] :])
+    assume(same(fast.u, pure.u))
+    scale = max(np.abs(pure.points).max(), np.abs(target.points).max())
+    again = problem.attempt(fast.u)
+    for thin in (pure, again):
+        assert np.abs(fast.points - thin.points).max() <= 1e-9 * scale
+        assert np.abs(fast.nets - thin.nets).max() <= 1e-9 * scale
+        assert abs(fast.bound - thin.bound) <= 1e-9 * scale
+        assert same(fast.x, thin.x)
 
 
 @given(targets())
@@ -822,9 +854,13 @@ def test_what_could_be_read_beyond_its_end_is_refused() -> None:
     with pytest.raises(ValueError, match="without end"):
         call.predict(*far, *spans, np.ones((2, 1)), np.zeros(1))
     for x in ([0.0, 9.0, 0.5], [0.0, np.nan, 0.5], [0.0, 0.5, np.nan]):
-        fit = (around, np.array(x), around, *[None] * 4, np.zeros((1, 5)), nets, np.empty(2))
+        bare = (*line, limits, around, around, *[None] * 4, np.array(x))
         with pytest.raises(ValueError, match="ascend"):
-            call.attempt(*line, limits, *fit)
+            call.attempt(*bare, np.zeros((1, 5)), nets, np.empty(2))
+        with pytest.raises(ValueError, match="ascend"):
+            call.thin(*bare, nets, np.empty(2), 0, 0, 1)
+    with pytest.raises(ValueError, match="do not fit the knots"):
+        call.thin(*bare, nets, np.empty(3), 0, 0, 1)
 
 
 @pytest.mark.parametrize("degree", [1, 3])
@@ -856,9 +892,9 @@ def test_a_fit_that_is_no_number_proves_nothing() -> None:
     x, old = np.array([0.0, 0.25, 0.5, 1.0]), np.zeros((4, 1))
     spoilt = np.array([[np.nan], [0.0], [0.0], [0.0]])
     bound = compiled.core.attempt(
-        *(t, np.zeros((1, 2)), zero[:, None], zero + 1.0, np.array([-3.0, -2.0, -1.0]), x),
+        *(t, np.zeros((1, 2)), zero[:, None], zero + 1.0, np.array([-3.0, -2.0, -1.0])),
         *(np.array([2.0, 3.0, 4.0]), np.array([-2.0, -1.0, 0.0, 0.25, 0.5, 1.0]), spoilt),
-        *(np.array([0.0, 0.25, 0.5, 1.0, 2.0, 3.0]), old, points, nets, ratios),
+        *(np.array([0.0, 0.25, 0.5, 1.0, 2.0, 3.0]), old, x, points, nets, ratios),
     )
     assert bound is not None
     assert np.isnan(bound)
