@@ -56,6 +56,8 @@ class _End(NamedTuple):
     """Index of the old span whose piece continues up to there."""
     joined: bool
     """False at an end of T."""
+    stays: bool
+    """Whether it is a knot already."""
     bound: float
     """Proved deviation of the old piece between here and the end of the interval."""
 
@@ -178,18 +180,18 @@ def _common(new: Array, old: Array) -> int:
 def _start(curve: Graded, target: Target, a: float, span: int) -> _End:
     """Find where the free stretch begins."""
     if a == curve.domain.start:
-        return _End(0.0, 2, False, 0.0)
+        return _End(0.0, 2, False, False, 0.0)
     if curve.knots(span, span + 1)[0] == a:
-        return _End(float(curve.u[span]), span - 1, True, 0.0)
+        return _End(float(curve.u[span]), span - 1, True, True, 0.0)
     return _lead_in(curve, target, a, span, forwards=True)
 
 
 def _stop(curve: Graded, target: Target, b: float, span: int) -> _End:
     """Find where the free stretch ends."""
     if b == curve.domain.stop:
-        return _End(1.0, curve.size, False, 0.0)
+        return _End(1.0, curve.size, False, False, 0.0)
     if curve.knots(span + 1, span + 2)[0] == b:
-        return _End(float(curve.u[span + 1]), span + 1, True, 0.0)
+        return _End(float(curve.u[span + 1]), span + 1, True, True, 0.0)
     return _lead_in(curve, target, b, span, forwards=False)
 
 
@@ -214,7 +216,7 @@ def _lead_in(curve: Graded, target: Target, end: float, span: int, *, forwards: 
     if abs(next_knot - end) < shortest:  # no room for another knot between: all of the old piece
         bound = _led(knots, points, target, end, next_knot)
         if bound is not None:
-            return _End(float(curve.u[span + 1 if forwards else span]), span, True, bound)
+            return _End(float(curve.u[span + 1 if forwards else span]), span, True, True, bound)
     sign = 1.0 if forwards else -1.0
     while reach >= shortest:
         ends = sorted(
@@ -223,11 +225,11 @@ def _lead_in(curve: Graded, target: Target, end: float, span: int, *, forwards: 
         u = coarsest_between(*ends)
         near = float(parameters(np.array([u]), domain)[0])
         if near == end:
-            return _End(u, span, True, 0.0)
+            return _End(u, span, True, False, 0.0)
         if (near > end) == forwards and abs(near - end) <= reach:
             bound = _led(knots, points, target, end, near)
             if bound is not None:
-                return _End(u, span, True, bound)
+                return _End(u, span, True, near == next_knot, bound)
         reach *= _NEARER
     raise gap_error(target, end, gap, chord)
 
@@ -263,12 +265,10 @@ def _knots_to_keep(curve: Graded, start: _End, stop: _End) -> tuple[Array, Array
     """
     first, last = np.array([start.u]), np.array([stop.u])
     i, j = start.span + 1, stop.span
-    at_start = start.joined and start.u == curve.u[i]
-    at_stop = stop.joined and stop.u == curve.u[j]
-    inside = j - i + 1 - at_start - at_stop
-    if at_start and inside >= _KEPT:
+    inside = j - i + 1 - start.stays - stop.stays
+    if start.stays and inside >= _KEPT:
         first = curve.u.window(i, i + _KEPT + 1)
-    if at_stop and inside >= _KEPT:
+    if stop.stays and inside >= _KEPT:
         last = curve.u.window(j - _KEPT, j + 1)
     if first[-1] >= last[0]:
         # Too few for both ends: the closer ones, which guard something.
