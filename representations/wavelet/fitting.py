@@ -1,7 +1,8 @@
 """Fit a cubic spline on graded dyadic knots to a polyline on one stretch, with a proof.
 
-Attempt, halve the spans on which the proof fails, repeat. A first fit is then thinned: knots of
-which the curve hardly takes notice are taken out, many at a time, as long as the proof holds.
+Attempt, halve the spans on which the proof fails, repeat. What is found is then thinned: knots of
+which the curve hardly takes notice are taken out, many at a time, as long as the proof holds; a
+third of them on real outlines.
 """
 
 from __future__ import annotations
