@@ -156,8 +156,6 @@ def thin(
     x: Array,
     nets: Array,
     ratios: Array,
-    first: int,
-    last: int,
     rounds: int,
     /,
 ) -> tuple[bytearray, bytearray, bytearray, bytearray, float] | None: ...
