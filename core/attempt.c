@@ -8,8 +8,8 @@ form span by span. Coordinates come first in all arrays, as there.
 #include <math.h>
 #include <string.h>
 
-/* Rows per span that carry no vertex. */
-enum { QUARTERS = 4 };
+/* Rows per span that carry no vertex; control points that are dictated at a joined end. */
+enum { QUARTERS = 4, DEGREE = 3, PINNED = 3 };
 
 /* Cubic Bernstein polynomials, and a third of their derivatives. */
 static void bernstein(double local, double *values, double *turns)
@@ -48,6 +48,21 @@ static void map_of(const double *knots, double map[4][4])
     map[3][3] = inner;
     map[3][1] = (1.0 - share) * map[2][1];
     map[3][2] = 1.0 - inner - map[3][1];
+}
+
+/* The control points (d, columns) at a joined end, from column `first` on: polar forms of the old
+piece. `around` are the five knots that define them. */
+static void dictate(const Piece *piece, const double *around, Index first, double *room,
+                    Table points)
+{
+    Index d = piece->points.columns;
+    for (Index k = 0; k < PINNED; k++) {
+        memcpy(room, piece->points.at, (size_t)((DEGREE + 1) * d) * sizeof(double));
+        for (Index step = 0; step < DEGREE; step++)
+            blossom_step(piece->knots.at, DEGREE, d, around[k + step], step, room);
+        for (Index c = 0; c < d; c++)
+            points.at[c * points.columns + first + k] = room[c];
+    }
 }
 
 /* Where a stretch is looked at: quarters of its spans, its end, and the vertices between; with the
@@ -231,49 +246,48 @@ static double certified(const Marks *marks, Table x, Index d, const double *nets
     return sqrt(bound);
 }
 
-METHOD(core_attempt)
+Stretch stretch_of(Call *call, PyObject *const *values)
 {
-    /* t, points, slopes of the target, limits, knots before the stretch (3,), its knots (n + 1,),
-    knots behind it, first and stop of the free control points, control points (d, n + 3), nets
-    (4, d, n), ratios (n,); returns the bound, None if the control points are not determined */
-    Call call;
-    begin(&call, count, 12);
-    if (call.failed)
-        return finish(&call, NULL);
-    Target target = target_of(&call, values);
-    Table limits = reals(&call, values[3]), before = reals(&call, values[4]);
-    Table x = reals(&call, values[5]), after = reals(&call, values[6]);
-    Index first = integer(&call, values[7]), stop = integer(&call, values[8]);
-    Table points = output(&call, values[9]), nets = output(&call, values[10]);
-    Table ratios = output(&call, values[11]);
-    Index n = x.rows - 1, d = target.d;
-    expect(&call,
-           limits.rows == target.chords && before.rows == 3 && after.rows == 3 && n >= 1 &&
-               first >= 0 && stop <= n + 3,
+    Stretch stretch = {.target = target_of(call, values), .limits = reals(call, values[3]),
+                       .before = reals(call, values[4]), .after = reals(call, values[5])};
+    for (int side = 0; side < 2; side++)
+        stretch.old[side] = piece_of(call, values + 6 + 2 * side, stretch.target.d);
+    expect(call,
+           stretch.limits.rows == stretch.target.chords && stretch.before.rows == 3 &&
+               stretch.after.rows == 3,
            "limits, or knots before or behind, are missing");
-    expect(&call,
-           points.rows == d && points.columns == n + 3 && nets.rows == 4 &&
-               nets.columns == d * n && ratios.rows == n,
-           "the outputs are of wrong lengths");
-    for (Index span = 0; !call.failed && span < n; span++)
-        expect(&call, x.at[span] < x.at[span + 1], "knots must ascend");
-    double *knots = scratch(&call, n + 7), *room = scratch(&call, 4 * d);
-    double(*maps)[4][4] = (double(*)[4][4])scratch(&call, 16 * n);
-    if (call.failed)
-        return finish(&call, NULL);
-    memcpy(knots, before.at, 3 * sizeof(double));
+    stretch.tightest = call->failed ? 0.0 : stretch.limits.at[0];
+    for (Index i = 1; !call->failed && i < stretch.limits.rows; i++)
+        stretch.tightest = smaller(stretch.limits.at[i], stretch.tightest);
+    return stretch;
+}
+
+int attempted(Call *call, const Stretch *stretch, Table x, Table points, double *nets,
+              double *ratios, double *bound)
+{
+    Index n = x.rows - 1, d = stretch->target.d, first = 0, stop = n + 3;
+    const double *limits = stretch->limits.at;
+    double *knots = scratch(call, n + 7), *room = scratch(call, (DEGREE + 1) * d);
+    double(*maps)[4][4] = (double(*)[4][4])scratch(call, 16 * n);
+    Marks marks = placed_marks(call, &stretch->target, x);
+    if (call->failed)
+        return 0;
+    memcpy(knots, stretch->before.at, 3 * sizeof(double));
     memcpy(knots + 3, x.at, (size_t)(n + 1) * sizeof(double));
-    memcpy(knots + n + 4, after.at, 3 * sizeof(double));
+    memcpy(knots + n + 4, stretch->after.at, 3 * sizeof(double));
     for (Index span = 0; span < n; span++)
         map_of(knots + span + 1, maps[span]);
-    double tightest = limits.at[0];
-    for (Index i = 1; i < limits.rows; i++)
-        tightest = smaller(limits.at[i], tightest);
-    Marks marks = placed_marks(&call, &target, x);
-    if (call.failed)
-        return finish(&call, NULL);
-    if (!solved_points(&call, &marks, x, d, maps, limits.at, tightest, first, stop, points))
-        return finish(&call, Py_NewRef(Py_None));
+    memset(points.at, 0, (size_t)(d * (n + 3)) * sizeof(double));
+    if (stretch->old[0].knots.at) {
+        dictate(stretch->old, knots + 1, 0, room, points);
+        first += PINNED;
+    }
+    if (stretch->old[1].knots.at) {
+        dictate(stretch->old + 1, knots + n + 1, n, room, points);
+        stop -= PINNED;
+    }
+    if (!solved_points(call, &marks, x, d, maps, limits, stretch->tightest, first, stop, points))
+        return 0;
     for (Index c = 0; c < d; c++)
         for (Index span = 0; span < n; span++) {
             const double *row = points.at + c * (n + 3) + span;
@@ -281,9 +295,37 @@ METHOD(core_attempt)
                 double sum = 0.0;
                 for (Index k = 0; k < 4; k++)
                     sum += maps[span][j][k] * row[k];
-                nets.at[(j * d + c) * n + span] = sum;
+                nets[(j * d + c) * n + span] = sum;
             }
         }
-    double bound = certified(&marks, x, d, nets.at, limits.at, room, ratios.at);
-    return finish(&call, PyFloat_FromDouble(bound));
+    *bound = certified(&marks, x, d, nets, limits, room, ratios);
+    return 1;
+}
+
+METHOD(core_attempt)
+{
+    /* t, points, slopes of the target, limits, knots before the stretch (3,) and behind it, knots (6,)
+    and control points (4, d) of the old pieces to be joined on the left and on the right, None where
+    there is none; the knots of the stretch (n + 1,), control points (d, n + 3), nets (4, d, n),
+    ratios (n,); returns the bound, None if the control points are not determined */
+    Call call;
+    begin(&call, count, 14);
+    if (call.failed)
+        return finish(&call, NULL);
+    Stretch stretch = stretch_of(&call, values);
+    Table x = reals(&call, values[10]), points = output(&call, values[11]);
+    Table nets = output(&call, values[12]), ratios = output(&call, values[13]);
+    Index n = x.rows - 1, d = stretch.target.d;
+    int joined = stretch.old[0].knots.at || stretch.old[1].knots.at;
+    expect(&call, n >= (joined ? 2 : 1), "a stretch needs more knots");
+    expect(&call,
+           points.rows == d && points.columns == n + 3 && nets.rows == 4 &&
+               nets.columns == d * n && ratios.rows == n,
+           "the outputs are of wrong lengths");
+    for (Index span = 0; !call.failed && span < n; span++)
+        expect(&call, x.at[span] < x.at[span + 1], "knots must ascend");
+    double bound = 0.0;
+    if (call.failed || attempted(&call, &stretch, x, points, nets.at, ratios.at, &bound))
+        return finish(&call, call.failed ? NULL : PyFloat_FromDouble(bound));
+    return finish(&call, Py_NewRef(Py_None));
 }

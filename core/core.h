@@ -223,8 +223,12 @@ typedef struct {
 
 Density density_of(Call *call, const Spline *spline, int rational, double start, double stop,
                    double target);
-Density corrected_density(Call *call, Density *density, Index chords, const double *t,
-                          const double *needs);
+Density empty_density(Call *call, Index cells);
+/* What a chord counts that proved to need such a part of the tolerance's square root. */
+double share_needed(double need);
+/* Scale the density between t[0] and t[chords] so that the share of each chord is what it needs;
+`finer` has room for a cell more for each chord. */
+void correct(Density *density, Index chords, const double *t, const double *needs, Density *finer);
 /* The sum up to a parameter. */
 double sum_at(Density *density, double t);
 /* The starts of so many chords of equal shares between two sums; the first starts at `begin`. */
@@ -254,6 +258,53 @@ static inline double value_at(const Target *target, Index chord, double t, Index
            target->points.at[c * (target->chords + 1) + chord];
 }
 
+/* An old piece to be joined: the six knots around its span, four control points about the target's
+origin; no tables where nothing is joined. */
+typedef struct {
+    Table knots, points;
+} Piece;
+
+Piece piece_of(Call *call, PyObject *const *values, Index dimension);
+
+/* -- attempt.c: least squares and proofs on given knots ------------------------------------------- */
+
+/* What is fitted: the target with what is allowed on each chord, three knots before and behind, and
+the old pieces on the left and on the right. */
+typedef struct {
+    Target target;
+    Table limits, before, after;
+    Piece old[2];
+    double tightest;
+} Stretch;
+
+/* Of the first ten arguments: t, points and slopes of the target, limits, knots before and behind,
+and the two pieces. */
+Stretch stretch_of(Call *call, PyObject *const *values);
+/* Control points (d, n + 3), nets (4, d, n) and ratios (n,) for the knots x (n + 1,), and the bound; 0
+when the control points are not determined. */
+int attempted(Call *call, const Stretch *stretch, Table x, Table points, double *nets,
+              double *ratios, double *bound);
+
+/* -- prediction.c: how fine knots must be -------------------------------------------------------- */
+
+/* What is needed to look at a span, and the knots found so far. */
+typedef struct {
+    Call *call;
+    Target target;
+    const double *allowances, *projections, *places;
+    Table corners;
+    Index samples, count, room;
+    double margin, shortest, start, stop; /* the ends of T */
+    double *seen, *left, *found;
+} Prediction;
+
+/* Of the target's allowances and corners, projections (2 s, s) and places (s,), with room for so many
+knots at first; the rest is to be filled in. */
+Prediction prediction_of(Call *call, Target target, Table allowances, Table corners,
+                         Table projections, Table places, Index room);
+/* Halve a span of dyadic numbers until no part of it needs to be. */
+void halve(Prediction *given, double start, double stop, int depth);
+
 /* -- banded.c: symmetric banded systems -------------------------------------------------------- */
 
 int solve_banded(double *band, double *right, Index count, Index bandwidth, Index columns,
@@ -278,9 +329,10 @@ METHOD(core_fit);
 METHOD(core_chord_bounds);
 METHOD(core_sample);
 METHOD(core_attempt);
+METHOD(core_spare);
 METHOD(core_follow);
 METHOD(core_predict);
-METHOD(core_departure);
+METHOD(core_beginning);
 METHOD(core_halves);
 METHOD(core_largest);
 METHOD(core_course);
@@ -292,7 +344,7 @@ METHOD(core_join);
 METHOD(core_simplify);
 METHOD(core_common);
 METHOD(core_changed_spans);
-METHOD(core_level_counts);
+METHOD(core_recount);
 METHOD(core_refine_uniform);
 METHOD(core_add_details);
 METHOD(core_analyse);

@@ -89,7 +89,7 @@ static double blended(const double *second, Index d, double share)
     return sqrt(sum);
 }
 
-static Density empty_density(Call *call, Index cells)
+Density empty_density(Call *call, Index cells)
 {
     Density density = {cells, 0, 0, scratch(call, cells + 1), scratch(call, cells),
                        scratch(call, cells + 1)};
@@ -132,13 +132,15 @@ Density density_of(Call *call, const Spline *spline, int rational, double start,
         double whole = (span == last ? stop : knots[1]) - low;
         Index cells = (Index)parts[span - first];
         double width = cells ? whole / (double)cells : 0.0;
+        double per_length = 1.0 / (knots[1] - knots[0]), per_root = width / sqrt(8 * target);
+        /* Never quite zero, so that the density can be inverted where the curve is straight. */
+        double least = 1e-6 * (width / (stop - start));
         for (Index cell = 0; cell < cells; cell++, node++) {
             double at = density.nodes[node] = low + (double)cell * width, middle = at + width / 2;
             double bent = linear ? blended(seconds + (span - first) * 2 * d, d,
-                                           (middle - knots[0]) / (knots[1] - knots[0]))
+                                           (middle - knots[0]) * per_length)
                                  : bending(spline, rational, span, middle, rows);
-            /* Never quite zero, so that the density can be inverted where the curve is straight. */
-            density.shares[node] = sqrt(bent / (8 * target)) * width + 1e-6 * (width / (stop - start));
+            density.shares[node] = sqrt(bent) * per_root + least;
         }
     }
     if (!call->failed) {
@@ -175,37 +177,28 @@ void lay_out(Density *density, double begin, double from, double to, Index chord
     }
 }
 
-/* Scale the density on each chord so that the chord's share is what it proved to need. */
-Density corrected_density(Call *call, Density *density, Index chords, const double *t,
-                          const double *needs)
+double share_needed(double need) { return larger(need, LEAST_NEED); }
+
+void correct(Density *density, Index chords, const double *t, const double *needs, Density *finer)
 {
-    Index nodes = density->cells + 1, all = nodes + chords + 1;
-    Density finer = empty_density(call, all - 1);
-    double *totals = scratch(call, chords);
-    Index *chord_of = index_scratch(call, all);
-    if (call->failed)
-        return finer;
-    for (Index chord = 0; chord < chords; chord++)
-        totals[chord] = 0.0;
-    double before = 0.0;
-    for (Index r = 0, i = 0, j = 0, chord = 0; r < all; r++) {
-        int is_node = j == chords + 1 || (i < nodes && density->nodes[i] <= t[j]);
-        double after = is_node ? density->sums[i] : sum_at(density, t[j]);
-        finer.nodes[r] = is_node ? density->nodes[i++] : t[j++];
-        if (r > 0) {
-            while (chord + 1 < chords && t[chord + 1] <= finer.nodes[r - 1])
-                chord++;
-            finer.shares[r - 1] = after - before;
-            chord_of[r - 1] = chord;
-            totals[chord] += after - before;
-        }
-        before = after;
+    finer->cells = finer->node = finer->sum = 0;
+    finer->sums[0] = 0.0;
+    double from = sum_at(density, t[0]);
+    for (Index chord = 0; chord < chords; chord++) {
+        Index first = finer->cells, node = density->node + 1, cell = first;
+        double to = sum_at(density, t[chord + 1]), before = from;
+        double scale = to > from ? share_needed(needs[chord]) / (to - from) : 1.0;
+        finer->nodes[cell] = t[chord];
+        for (; node <= density->node; node++)
+            if (density->nodes[node] > t[chord] && density->nodes[node] < t[chord + 1]) {
+                finer->shares[cell++] = density->sums[node] - before;
+                finer->nodes[cell] = density->nodes[node];
+                before = density->sums[node];
+            }
+        finer->shares[cell++] = to - before;
+        for (finer->cells = cell; first < cell; first++)
+            finer->sums[first + 1] = finer->sums[first] + finer->shares[first] * scale;
+        from = to;
     }
-    for (Index r = 0; r + 1 < all; r++) {
-        double total = totals[chord_of[r]];
-        if (total > 0.0)
-            finer.shares[r] *= larger(needs[chord_of[r]], LEAST_NEED) / total;
-    }
-    add_up(&finer);
-    return finer;
+    finer->nodes[finer->cells] = t[chords];
 }

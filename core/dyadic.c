@@ -31,27 +31,33 @@ METHOD(core_halves)
     return finish(&call, Py_NewRef(Py_None));
 }
 
-METHOD(core_level_counts)
+/* Count numbers k / 2**l by their l, odd k. */
+static void count_levels(Call *call, Table u, Index by, Slots counts)
 {
-    /* numbers k / 2**l in [0, 1], counts (levels,): how many have an odd k for each l */
-    Call call;
-    begin(&call, count, 2);
-    if (call.failed)
-        return finish(&call, NULL);
-    Table u = reals(&call, values[0]);
-    Slots counts = slots(&call, values[1]);
-    for (Index level = 0; level < counts.rows; level++)
-        counts.at[level] = 0;
-    for (Index i = 0; !call.failed && i < u.rows; i++) {
+    for (Index i = 0; !call->failed && i < u.rows; i++) {
         double scaled = u.at[i];
         Index level = 0;
         while (level < counts.rows && scaled != floor(scaled)) {
             scaled *= 2.0;
             level++;
         }
-        expect(&call, level < counts.rows, "a knot is not dyadic");
-        if (!call.failed)
-            counts.at[level]++;
+        expect(call, level < counts.rows, "a knot is not dyadic");
+        if (!call->failed)
+            counts.at[level] += by;
     }
+}
+
+METHOD(core_recount)
+{
+    /* numbers k / 2**l in [0, 1] that are added, those that are removed, counts (levels,) of those
+    with an odd k for each l */
+    Call call;
+    begin(&call, count, 3);
+    if (call.failed)
+        return finish(&call, NULL);
+    Table added = reals(&call, values[0]), removed = reals(&call, values[1]);
+    Slots counts = slots(&call, values[2]);
+    count_levels(&call, added, 1, counts);
+    count_levels(&call, removed, -1, counts);
     return finish(&call, Py_NewRef(Py_None));
 }

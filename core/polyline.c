@@ -214,11 +214,11 @@ METHOD(core_course)
 typedef struct {
     Table t, points, bounds;
     double bound;
-} Piece;
+} Samples;
 
-static Piece piece_of(Call *call, PyObject *given)
+static Samples samples_of(Call *call, PyObject *given)
 {
-    Piece piece = {{NULL, 0, 0}, {NULL, 0, 0}, {NULL, 0, 0}, 0.0};
+    Samples piece = {{NULL, 0, 0}, {NULL, 0, 0}, {NULL, 0, 0}, 0.0};
     PyObject *t, *points, *bounds;
     if (call->failed || !PyArg_ParseTuple(given, "OOOd", &t, &points, &bounds, &piece.bound)) {
         call->failed = 1;
@@ -249,7 +249,7 @@ METHOD(core_join)
     double largest = 0.0;
     expect(&call, PyTuple_Check(values[0]) && PyTuple_Size(values[0]) > 0, "pieces are missing");
     for (Index k = 0; !call.failed && k < PyTuple_Size(values[0]); k++) {
-        Piece piece = piece_of(&call, PyTuple_GetItem(values[0], k));
+        Samples piece = samples_of(&call, PyTuple_GetItem(values[0], k));
         Index chords = piece.t.rows - 1;
         expect(&call,
                piece.points.columns == d && at + chords < t.rows && points.rows == t.rows &&

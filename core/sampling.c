@@ -109,12 +109,13 @@ static void prove(Task *task, Samples *samples, Index first, Index count)
 /* A block of chords, first .. stop - 1, in which one failed or none did. */
 typedef struct {
     Index first, stop, parts;
-    double from, to;
+    int fails;
 } Block;
 
-/* Lay the blocks with a failing chord out anew; 0 when two samples would fall together. */
-static int improved(Call *call, Task *task, Samples *samples, Density *density, Index size,
-                    Index shift)
+/* Lay the blocks with a failing chord out anew, by the density as their chords proved to need it; 0
+when two samples would fall together. */
+static int improved(Call *call, Task *task, Samples *samples, Density *density, const double *needs,
+                    Index size, Index shift)
 {
     Index d = task->proof.d, old = samples->count, total = 0, next = 1;
     Samples found = {0, NULL, NULL, NULL};
@@ -129,19 +130,18 @@ static int improved(Call *call, Task *task, Samples *samples, Density *density, 
                 if (samples->t[i] == task->fixed[next])
                     stop = i;
             }
-        Block block = {first, stop, stop - first, 0.0, 0.0};
-        int failing = 0;
-        for (Index i = first; i < stop; i++)
-            failing |= !(samples->bounds[i] <= task->tolerance);
-        if (failing) {
-            block.from = sum_at(density, samples->t[first]);
-            block.to = sum_at(density, samples->t[stop]);
-            double parts = ceil(block.to - block.from);
+        Block block = {first, stop, stop - first, 0};
+        double need = 0.0;
+        for (Index i = first; i < stop; i++) {
+            block.fails |= !(samples->bounds[i] <= task->tolerance);
+            need += share_needed(needs[i]);
+        }
+        if (block.fails) {
+            double parts = ceil(need);
             parts = size == 1 ? smaller(larger(parts, 2), MOST_PARTS) : larger(parts, 1);
             expect(call, parts < 1e15, "the chords are without end");
             block.parts = call->failed ? 1 : (Index)parts;
-        } else
-            block.from = NAN;
+        }
         total += block.parts;
         blocks[count++] = block;
     }
@@ -149,11 +149,12 @@ static int improved(Call *call, Task *task, Samples *samples, Density *density, 
     found.t = scratch(call, total + 1);
     found.points = scratch(call, (total + 1) * d);
     found.bounds = scratch(call, total);
+    Density finer = empty_density(call, density->cells + old);
     Index at = 0;
     for (Index k = 0; !call->failed && k < count; k++) {
         Block *block = blocks + k;
         size_t points = (size_t)(block->stop - block->first) * (size_t)d;
-        if (block->from != block->from) {
+        if (!block->fails) {
             size_t length = (size_t)block->parts * sizeof(double);
             memcpy(found.t + at, samples->t + block->first, length);
             memcpy(found.bounds + at, samples->bounds + block->first, length);
@@ -162,7 +163,9 @@ static int improved(Call *call, Task *task, Samples *samples, Density *density, 
         } else {
             double *t = found.t + at, *there = found.points + at * d;
             size_t point = (size_t)d * sizeof(double);
-            lay_out(density, samples->t[block->first], block->from, block->to, block->parts, t);
+            const double *before = samples->t + block->first;
+            correct(density, block->stop - block->first, before, needs + block->first, &finer);
+            lay_out(&finer, before[0], 0.0, finer.sums[finer.cells], block->parts, t);
             t[block->parts] = samples->t[block->stop];
             for (Index i = 0; i < block->parts; i++)
                 if (!(t[i + 1] > t[i]))
@@ -186,9 +189,9 @@ static int improved(Call *call, Task *task, Samples *samples, Density *density, 
 static int sampled(Call *call, Task *task, double start, double stop, Samples *samples)
 {
     Proof *proof = &task->proof;
-    int held = call->held;
     Density density = density_of(call, &proof->spline, proof->rational, start, stop,
                                  task->room * MARGIN);
+    int held = call->held;
     if (!call->failed)
         *samples = laid_out(call, task, &density);
     samples->points = scratch(call, (samples->count + 1) * proof->d);
@@ -205,20 +208,28 @@ static int sampled(Call *call, Task *task, double start, double stop, Samples *s
             return 1;
         if ((double)failing <= FEW * (double)samples->count + 1)
             size = 1;
-        /* What proved to be needed corrects the density, and blocks with a failing chord are laid
+        /* What proved to be needed corrects the density in blocks with a failing chord, which are laid
         out anew between their ends; every other round with ends elsewhere. */
         double *needs = scratch(call, samples->count);
         for (Index i = 0; !call->failed && i < samples->count; i++)
             needs[i] = sqrt(larger(samples->bounds[i] - task->worst, 0.0) / task->room);
-        density = corrected_density(call, &density, samples->count, samples->t, needs);
         if (call->failed ||
-            !improved(call, task, samples, &density, size, size / 2 * (turn % 2)))
+            !improved(call, task, samples, &density, needs, size, size / 2 * (turn % 2)))
             return 0;
-        void *wanted[] = {density.nodes,   density.shares,  density.sums,
-                          samples->points, samples->bounds, samples->t};
-        drop(call, held, wanted, 6);
+        void *wanted[] = {samples->points, samples->bounds, samples->t};
+        drop(call, held, wanted, 3);
     }
     return 0;
+}
+
+/* Whether a walk along the knots comes to an end. */
+static int are_sound(const Spline *spline)
+{
+    Index last = spline->count + spline->degree;
+    int sound = isfinite(spline->knots[0]) && isfinite(spline->knots[last]);
+    for (Index i = 0; i < last; i++)
+        sound &= spline->knots[i] <= spline->knots[i + 1];
+    return sound;
 }
 
 METHOD(core_sample)
@@ -233,7 +244,8 @@ METHOD(core_sample)
     Spline spline = perhaps_rational(&call, values, &rational);
     double start = real(&call, values[4]), stop = real(&call, values[5]);
     Task task = {proof_of(&call, spline, rational, SPLITS), real(&call, values[6]), 0.0, 0.0, NULL, 0};
-    expect(&call, start < stop, "an interval is wanted");
+    expect(&call, start < stop && isfinite(stop - start), "an interval is wanted");
+    expect(&call, call.failed || are_sound(&spline), "knots must be finite and not descend");
     if (call.failed)
         return finish(&call, NULL);
     task.proof.unit = rounding_unit(&spline, rational, start, stop, NULL, 0);

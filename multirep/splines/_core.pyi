@@ -134,15 +134,34 @@ def attempt(
     slopes: Array,
     limits: Array,
     before: Array,
-    x: Array,
     after: Array,
-    free: int,
-    stop: int,
+    left_knots: Array | None,
+    left_points: Array | None,
+    right_knots: Array | None,
+    right_points: Array | None,
+    x: Array,
     control_points: Array,
     nets: Array,
     ratios: Array,
     /,
 ) -> float | None: ...
+def spare(
+    t: Array,
+    points: Array,
+    slopes: Array,
+    limits: Array,
+    before: Array,
+    after: Array,
+    left_knots: Array | None,
+    left_points: Array | None,
+    right_knots: Array | None,
+    right_points: Array | None,
+    x: Array,
+    nets: Array,
+    ratios: Array,
+    rounds: int,
+    /,
+) -> tuple[bytearray, bytearray, bytearray, bytearray, float] | None: ...
 def follow(
     t: Array, points: Array, slopes: Array, at: Array, values: Array, chords: IntArray, /
 ) -> None: ...
@@ -162,23 +181,33 @@ def predict(
     places: Array,
     /,
 ) -> bytearray: ...
-def departure(
+def beginning(
     t: Array,
     points: Array,
     slopes: Array,
     allowances: Array,
-    knots: Array,
-    coefficients: Array,
-    span: int,
-    end: float,
-    steps: Array,
+    corners: Array,
+    widths: Array,
+    first: Array,
+    last: Array,
+    left_knots: Array | None,
+    left_points: Array | None,
+    right_knots: Array | None,
+    right_points: Array | None,
+    fewest: int,
+    start: float,
+    stop: float,
+    shortest: float,
+    margin: float,
+    projection: Array,
+    places: Array,
     /,
-) -> tuple[int, float, int]: ...
+) -> bytearray | None: ...
 def common(a: Array, b: Array, /) -> tuple[int, int]: ...
 def changed_spans(
     degree: int, knots: Array, other_knots: Array, rows: list[tuple[Array, Array]], /
 ) -> list[tuple[float, float]]: ...
-def level_counts(u: Array, counts: IntArray, /) -> None: ...
+def recount(added: Array, removed: Array, counts: IntArray, /) -> None: ...
 def insert_knots(
     knots: Array,
     points: Array,

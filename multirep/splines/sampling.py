@@ -6,6 +6,8 @@ That integrand is the *density* here: it is measured, chords are laid out with e
 and what each chord really leaves is then proved (`multirep.splines.deviation`), never assumed.
 """
 
+from typing import NamedTuple, Self
+
 import numpy as np
 
 from multirep.splines import compiled
@@ -118,72 +120,82 @@ def sample_spline(
             return t, points.reshape(len(t), -1), bounds
         # out of reach: numpy finds out why
     stretch = cut_stretch(knots, coefficients, degree, start, stop, rational)
-    hull = stretch.coefficients
-    if rational:
-        hull = hull[:, :-1] / hull[:, -1:]
-    slack = rounding(stretch, hull)
-    worst = float(np.max(slack))
+    proof = _Proof.of(stretch, tolerance)
     fixed = _fixed_parameters(stretch, start, stop)
     if degree == 1 and not rational:
-        if worst > tolerance:
-            raise _out_of_reach(tolerance, worst, hull)
         points = evaluate(knots, coefficients, degree, fixed)
-        return fixed, points, np.full(len(fixed) - 1, worst)
-    room = tolerance - worst
-    if room < _LEAST_ROOM * worst:
-        raise _out_of_reach(tolerance, worst, hull)
-
-    second = None
-    if not rational and degree in (2, 3):
-        second = second_derivative_coefficients(stretch.knots, stretch.coefficients, degree)
-    nodes, shares = _density(stretch, second, start, stop, room * _MARGIN)
-    t = np.append(_lay_out(nodes, shares, fixed[:-1], fixed[1:], spare=_SPARE)[0], stop)
-    if not bool((t[1:] > t[:-1]).all()):
-        t = np.unique(t)
-    points = stretch.points(t)
-    if stop == stretch.breaks[-1]:
-        # `evaluate` takes a knot from its right, the stretch ends on its left.
-        points[-1] = project(evaluate(knots, coefficients, degree, t[-1:]), rational)
-    bounds = _certify(stretch, second, t[:-1], t[1:], points[:-1], points[1:], slack, tolerance)
+        return fixed, points, np.full(len(fixed) - 1, proof.worst)
+    density = _density(proof, start, stop)
+    # `evaluate` takes a knot from its right, a stretch ends on its left.
+    last = evaluate(knots, coefficients, degree, np.array([stop]))
+    samples = _first_samples(proof, density, fixed, project(last, rational))
     for turn, size in enumerate(_BLOCKS):
-        failing = bounds > tolerance
-        count = int(np.count_nonzero(failing))
+        count = int(np.count_nonzero(samples.bounds > tolerance))
         if not count:
-            return t, points, bounds
-        if count <= _FEW * len(bounds) + 1:
+            return samples
+        if count <= _FEW * len(samples.bounds) + 1:
             size = 1
-        # What proved to be needed corrects the density, and blocks with a failing chord are laid
-        # out anew between their ends; every other round with ends elsewhere.
-        needs = np.sqrt(np.maximum(bounds - worst, 0.0) / room)
-        nodes, shares = _corrected(nodes, shares, t, needs)
-        firsts = _blocks(t, fixed, size, size // 2 * (turn % 2))
-        redo = np.logical_or.reduceat(failing, firsts)
-        begins = firsts[redo]
-        ends = np.append(firsts[1:], len(bounds))[redo]
-        starts, counts = _lay_out(nodes, shares, t[begins], t[ends], least=2 if size == 1 else 1)
-        stops, low, high = _neighbours(
-            stretch, starts, counts, points[begins], t[ends], points[ends]
-        )
-        if not bool((stops > starts).all()):
+        # Every other round, blocks end elsewhere.
+        better = _improved(proof, density, samples, fixed, size, size // 2 * (turn % 2))
+        if better is None:
             break
-        proved = _certify(stretch, second, starts, stops, low, high, slack, tolerance)
-        kept = ~redo.repeat(np.diff(np.append(firsts, len(bounds))))
-        t = np.concatenate((t[:-1][kept], starts, t[-1:]))
-        order = t.argsort()
-        t = t[order]
-        points = np.concatenate((points[:-1][kept], low, points[-1:]))[order]
-        bounds = np.concatenate((bounds[kept], proved))[order[:-1]]
+        samples = better
+    failing = samples.t[:-1][samples.bounds > tolerance]
     raise ValueError(
         f"a tolerance of {tolerance:.3g} is out of reach: the curve bends between neighbouring "
-        f"floating-point parameters near {float(t[:-1][bounds > tolerance][0])!r}"
+        f"floating-point parameters near {float(failing[0])!r}"
     )
 
 
-def _out_of_reach(tolerance: float, slack: float, hull: Array) -> ValueError:
-    return ValueError(
-        f"a tolerance of {tolerance:.3g} is out of reach: rounding of coordinates up to "
-        f"{float(np.abs(hull).max()):.3g} alone may cost {slack:.3g}"
-    )
+class _Samples(NamedTuple):
+    """Parameters (m + 1,), points (m + 1, d) and the bound of each chord (m,)."""
+
+    t: Array
+    points: Array
+    bounds: Array
+
+
+class _Density(NamedTuple):
+    """A grid (k + 1,) and how many chords each of its cells needs, (k,)."""
+
+    nodes: Array
+    shares: Array
+
+
+class _Proof(NamedTuple):
+    """What chords of a stretch are proved with."""
+
+    stretch: Stretch
+    second: Array | None
+    """S'' where it is linear or constant on spans, as `second_derivative_coefficients` gives it."""
+    slack: Array | float
+    """What rounding may cost, on each cell or on all."""
+    worst: float
+    tolerance: float
+
+    @property
+    def room(self) -> float:
+        """What rounding leaves of the tolerance."""
+        return self.tolerance - self.worst
+
+    @classmethod
+    def of(cls, stretch: Stretch, tolerance: float) -> Self:
+        """Prepare a proof; ValueError when rounding alone takes the tolerance up."""
+        hull, degree = stretch.coefficients, stretch.degree
+        if stretch.rational:
+            hull = hull[:, :-1] / hull[:, -1:]
+        slack = rounding(stretch, hull)
+        worst = float(np.max(slack))
+        exact = degree == 1 and not stretch.rational
+        if tolerance < worst or (not exact and tolerance - worst < _LEAST_ROOM * worst):
+            raise ValueError(
+                f"a tolerance of {tolerance:.3g} is out of reach: rounding of coordinates up to "
+                f"{float(np.abs(hull).max()):.3g} alone may cost {worst:.3g}"
+            )
+        second = None
+        if not stretch.rational and degree in (2, 3):
+            second = second_derivative_coefficients(stretch.knots, stretch.coefficients, degree)
+        return cls(stretch, second, slack, worst, tolerance)
 
 
 def _fixed_parameters(stretch: Stretch, start: float, stop: float) -> Array:
@@ -197,10 +209,9 @@ def _fixed_parameters(stretch: Stretch, start: float, stop: float) -> Array:
     return np.unique(np.concatenate(([start], full, [stop])))
 
 
-def _density(
-    stretch: Stretch, second: Array | None, start: float, stop: float, target: float
-) -> tuple[Array, Array]:
-    """Measure how many chords each cell of a fine grid needs; return the grid and the numbers."""
+def _density(proof: _Proof, start: float, stop: float) -> _Density:
+    """Measure how many chords each cell of a fine grid needs."""
+    stretch, second, target = proof.stretch, proof.second, proof.room * _MARGIN
     low, high = stretch.breaks[:-1].copy(), stretch.breaks[1:].copy()
     low[0], high[-1] = start, stop
     width = high - low
@@ -224,11 +235,51 @@ def _density(
     shares *= width
     # Never quite zero, so that the density can be inverted where the curve is straight.
     shares += 1e-6 * (width / (stop - start))
-    return nodes, shares
+    return _Density(nodes, shares)
 
 
-def _corrected(nodes: Array, shares: Array, t: Array, needs: Array) -> tuple[Array, Array]:
-    """Scale the density on each chord so that the chord's share is what it needs."""
+def _first_samples(proof: _Proof, density: _Density, fixed: Array, last: Array) -> _Samples:
+    """Lay chords of equal shares out between the fixed parameters; ``last`` is the last point."""
+    t = np.append(_lay_out(density, fixed[:-1], fixed[1:], spare=_SPARE)[0], fixed[-1])
+    if not bool((t[1:] > t[:-1]).all()):
+        t = np.unique(t)
+    points = proof.stretch.points(t)
+    if t[-1] == proof.stretch.breaks[-1]:
+        points[-1] = last
+    return _Samples(t, points, _certify(proof, t[:-1], t[1:], points[:-1], points[1:]))
+
+
+def _improved(
+    proof: _Proof, density: _Density, samples: _Samples, fixed: Array, size: int, shift: int
+) -> _Samples | None:
+    """Lay blocks with a failing chord out anew between their ends, by the corrected density.
+
+    None when two samples would fall together.
+    """
+    t, points, bounds = samples
+    corrected = _corrected(proof, density, samples)
+    firsts = _blocks(t, fixed, size, shift)
+    redo = np.logical_or.reduceat(bounds > proof.tolerance, firsts)
+    begins = firsts[redo]
+    ends = np.append(firsts[1:], len(bounds))[redo]
+    least = 2 if size == 1 else 1
+    starts, counts = _lay_out(corrected, t[begins], t[ends], least=least)
+    first, last = points[begins], points[ends]
+    stops, low, high = _neighbours(proof.stretch, starts, counts, first, t[ends], last)
+    if not bool((stops > starts).all()):
+        return None
+    proved = _certify(proof, starts, stops, low, high)
+    kept = ~redo.repeat(np.diff(np.append(firsts, len(bounds))))
+    t = np.concatenate((t[:-1][kept], starts, t[-1:]))
+    order = t.argsort()
+    points = np.concatenate((points[:-1][kept], low, points[-1:]))[order]
+    return _Samples(t[order], points, np.concatenate((bounds[kept], proved))[order[:-1]])
+
+
+def _corrected(proof: _Proof, density: _Density, samples: _Samples) -> _Density:
+    """Scale the density on each chord so that the chord's share is what it proved to need."""
+    (nodes, shares), t = density, samples.t
+    needs = np.sqrt(np.maximum(samples.bounds - proof.worst, 0.0) / proof.room)
     sums = np.concatenate(([0.0], shares.cumsum()))
     grid = np.concatenate((nodes, t))
     grid.sort()
@@ -238,7 +289,7 @@ def _corrected(nodes: Array, shares: Array, t: Array, needs: Array) -> tuple[Arr
     scale = np.divide(
         np.maximum(needs, _LEAST_NEED), totals, out=np.ones_like(needs), where=totals > 0
     )
-    return grid, shares * scale.take(chords)
+    return _Density(grid, shares * scale.take(chords))
 
 
 def _blocks(t: Array, fixed: Array, size: int, shift: int) -> IntArray:
@@ -250,10 +301,11 @@ def _blocks(t: Array, fixed: Array, size: int, shift: int) -> IntArray:
 
 
 def _lay_out(
-    nodes: Array, shares: Array, begins: Array, ends: Array, least: int = 1, spare: float = 0.0
+    density: _Density, begins: Array, ends: Array, least: int = 1, spare: float = 0.0
 ) -> tuple[Array, IntArray]:
     """Divide intervals into chords of equal shares, at most 1; return their starts and counts."""
-    sums = np.concatenate(([0.0], shares.cumsum()))
+    nodes = density.nodes
+    sums = np.concatenate(([0.0], density.shares.cumsum()))
     marks = np.interp(begins, nodes, sums)
     needs = np.interp(ends, nodes, sums) - marks
     counts = np.maximum(np.ceil(needs + spare * (needs > _SPARE_FROM)), least).astype(np.intp)
@@ -280,17 +332,9 @@ def _neighbours(
     return stops, low, high
 
 
-def _certify(
-    stretch: Stretch,
-    second: Array | None,
-    starts: Array,
-    stops: Array,
-    low: Array,
-    high: Array,
-    slack: Array | float,
-    tolerance: float,
-) -> Array:
+def _certify(proof: _Proof, starts: Array, stops: Array, low: Array, high: Array) -> Array:
     """Bound the deviation from chords between points of the curve, rounding included."""
+    stretch, second, slack = proof.stretch, proof.second, proof.slack
     pieces = cut_pieces(stretch.breaks, starts, stops)
     count = len(pieces.cells)
     off = np.zeros(count + 1)
@@ -315,7 +359,7 @@ def _certify(
         bounds = bernstein_deviation(stretch, pieces, low, high, _SPLITS) + slack
         return np.asarray(np.maximum.reduceat(bounds, pieces.firsts))
     bounds = curvature_deviation(stretch, pieces, off, second) + slack
-    above = np.flatnonzero(bounds > tolerance)
+    above = np.flatnonzero(bounds > proof.tolerance)
     if len(above):
         sharper = bernstein_deviation(stretch, pieces, low, high, _SPLITS, above) + slack
         bounds[above] = np.minimum(bounds[above], sharper)

@@ -8,7 +8,7 @@ bound it: the deviation is *proved* for every parameter.
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import NamedTuple, TypeAlias
 
 import attrs
 import numpy as np
@@ -21,13 +21,30 @@ from multirep.representations.wavelet.target import Target
 from multirep.splines import compiled
 from multirep.splines.polar import blossom
 
-__all__ = ["Attempt", "Frame", "Problem", "frame_pieces"]
+__all__ = ["Attempt", "Frame", "Piece", "Problem"]
 
 #: Rows per span that carry no vertex. Fewer make the certificate loose and the solve singular.
 _ROWS = 4
 #: Rounding of the certificate and of any float64 evaluation of the curve, in units of the largest
 #: coordinate.
 _ROUNDING = 64 * float(np.finfo(np.float64).eps)
+
+
+Pieces: TypeAlias = tuple[Array | None, Array | None, Array | None, Array | None]
+
+
+class Piece(NamedTuple):
+    """One piece of the old curve."""
+
+    knots: Array
+    """(6,) parameters: the knots around its span, which lies between the third and the fourth."""
+    points: Array
+    """(4, d) control points, about the target's origin."""
+
+    def polar(self, arguments: Array) -> Array:
+        """Evaluate its polar form, (m, 3) -> (m, d)."""
+        knots = np.concatenate((self.knots[:1], self.knots))  # no polar form reads the first
+        return blossom(knots, self.points, 3, np.full(len(arguments), 3), arguments)
 
 
 class Frame(NamedTuple):
@@ -37,12 +54,26 @@ class Frame(NamedTuple):
     """(3,) parameters: the knots before the stretch; its start three times at the start of T."""
     after: Array
     """(3,) parameters: the knots behind it."""
-    pieces: tuple[Array, Array] | None
-    """Knots (15,) and points (11, d) of the old pieces to be joined, see :func:`frame_pieces`."""
-    left: bool
-    """Whether the curve continues before the stretch."""
-    right: bool
-    """Whether it continues behind it."""
+    left: Piece | None
+    """What the curve continues before the stretch; None at the start of T."""
+    right: Piece | None
+    """What continues it behind."""
+
+    @property
+    def joined(self) -> int:
+        """How many ends are joined."""
+        return (self.left is not None) + (self.right is not None)
+
+    @property
+    def arrays(self) -> Pieces:
+        """Knots and points of the two pieces, for the compiled core."""
+        left, right = self.left, self.right
+        return (
+            left and left.knots,
+            left and left.points,
+            right and right.knots,
+            right and right.points,
+        )
 
 
 class Attempt(NamedTuple):
@@ -54,8 +85,6 @@ class Attempt(NamedTuple):
     """(n + 1,) the same as parameters."""
     points: Array
     """(d, n + 3) control points about the target's origin; three at a joined end are dictated."""
-    arguments: Array
-    """(6, 3) knots that define the dictated ones."""
     nets: Array
     """(4, d, n) Bernstein coefficients of the spans."""
     ratios: Array
@@ -114,36 +143,35 @@ class Problem:
         if compiled.active:
             return self._attempt_at_once(u)
         stretch = _lay_out(self.target, u, self.domain, self.frame)
-        pins, arguments = _dictate(stretch.x, self.frame, self.target.origin)
-        points = _solve(stretch, pins, self.frame, self.limits)
+        points = _solve(stretch, self.frame, self.limits)
         nets = np.einsum("jkn,kdn->jdn", stretch.maps, _windows(points))
         ratios, bound = _certify(stretch, nets, self.limits)
-        return Attempt(u, stretch.x, points, arguments, nets, ratios, bound + self.slack)
+        return Attempt(u, stretch.x, points, nets, ratios, bound + self.slack)
 
     def _attempt_at_once(self, u: Array) -> Attempt:
         """Solve and prove in the compiled core."""
-        target, frame, x = self.target, self.frame, parameters(u, self.domain)
-        pins, arguments = _dictate(x, frame, target.origin)
-        points, first, last = _pinned(pins, frame, len(x) - 1, len(target.origin))
-        nets = np.empty((4, len(target.origin), len(x) - 1))
-        ratios = np.empty(len(x) - 1)
-        bound = compiled.core.attempt(
+        x = parameters(u, self.domain)
+        count, dimension = len(x) - 1, len(self.target.origin)
+        points, nets = np.empty((dimension, count + 3)), np.empty((4, dimension, count))
+        ratios = np.empty(count)
+        bound = compiled.core.attempt(*self.arrays, x, points, nets, ratios)
+        if bound is None:
+            raise _undetermined(x)
+        return Attempt(u, x, points, nets, ratios, bound + self.slack)
+
+    @property
+    def arrays(self) -> tuple[Array, Array, Array, Array, Array, Array, *Pieces]:
+        """What the compiled core reads of the target, its limits and its surroundings."""
+        target, frame = self.target, self.frame
+        return (
             target.t,
             target.points,
             target.slopes,
             self.limits,
             frame.before,
-            x,
             frame.after,
-            first,
-            last,
-            points,
-            nets,
-            ratios,
+            *frame.arrays,
         )
-        if bound is None:
-            raise _undetermined(x)
-        return Attempt(u, x, points, arguments, nets, ratios, bound + self.slack)
 
 
 class _Stretch(NamedTuple):
@@ -231,57 +259,37 @@ def _maps(x: Array, frame: Frame) -> Array:
     return maps
 
 
-def frame_pieces(left: tuple[Array, Array], right: tuple[Array, Array]) -> tuple[Array, Array]:
-    """Put two old pieces side by side, so that one call evaluates the polar forms of both.
+def _pinned(x: Array, frame: Frame, dimension: int) -> tuple[Array, int, int]:
+    """Control points (d, n + 3) with the dictated ones in place, and the range of the free ones.
 
-    Parameters
-    ----------
-    left, right : pairs of (6,) and (4, d) arrays
-        The six knots around the span of each piece, and its four control points.
-
-    Examples
-    --------
-    >>> knots, points = np.arange(6.0), np.zeros((4, 2))
-    >>> [array.shape for array in frame_pieces((knots, points), (knots, points))]
-    [(15,), (11, 2)]
+    Three at a joined end are polar forms of the old piece, so the join is C2.
     """
-    gap = np.zeros((3, left[1].shape[1]))
-    knots = np.concatenate((left[0][:1], left[0], right[0][:1], right[0], right[0][-1:]))
-    return knots, np.concatenate((left[1], gap, right[1]))
-
-
-def _dictate(x: Array, frame: Frame, origin: Array) -> tuple[Array, Array]:
-    """Dictated control points (6, d) at the joined ends, and the knots (6, 3) that define them."""
-    if frame.pieces is None:
-        return np.zeros((6, len(origin))), np.zeros((6, 3))
-    around = np.concatenate((frame.before[1:], x[:3], x[-3:], frame.after[:2]))
-    arguments = around.take(_ARGUMENTS)
-    return blossom(*frame.pieces, 3, _PIECES, arguments), arguments
-
-
-def _pinned(pins: Array, frame: Frame, count: int, dimension: int) -> tuple[Array, int, int]:
-    """Control points (d, n + 3) with the dictated ones in place, and the range of the free ones."""
-    points = np.zeros((dimension, count + 3))
-    if frame.left:
-        points[:, :3] = pins[:3].T
-    if frame.right:
-        points[:, -3:] = pins[3:].T
-    return points, 3 * frame.left, count + 3 - 3 * frame.right
+    points = np.zeros((dimension, len(x) + 2))
+    first, stop = 0, len(x) + 2
+    if frame.left is not None:
+        around = np.concatenate((frame.before[1:], x[:3]))
+        points[:, :3] = frame.left.polar(around.take(_ARGUMENTS)).T
+        first = 3
+    if frame.right is not None:
+        around = np.concatenate((x[-3:], frame.after[:2]))
+        points[:, -3:] = frame.right.polar(around.take(_ARGUMENTS)).T
+        stop -= 3
+    return points, first, stop
 
 
 def _undetermined(x: Array) -> InvariantError:
     return InvariantError("the rows of a fit do not determine its control points", x)
 
 
-def _solve(stretch: _Stretch, pins: Array, frame: Frame, limits: Array) -> Array:
+def _solve(stretch: _Stretch, frame: Frame, limits: Array) -> Array:
     """Least squares for the control points (d, n + 3) that are not dictated."""
     from scipy.linalg.lapack import dpbsv
 
     count = len(stretch.x) - 1
-    points, first, last = _pinned(pins, frame, count, len(stretch.values))
+    points, first, last = _pinned(stretch.x, frame, len(stretch.values))
     rows = np.einsum("jm,jkm->km", stretch.basis[0], stretch.maps.take(stretch.spans, axis=2))
     wanted = stretch.values
-    if frame.left or frame.right:
+    if frame.joined:
         held = _windows(points).take(stretch.spans, axis=2)
         wanted = wanted - np.einsum("km,kdm->dm", rows, held)
     if first >= last:
@@ -351,5 +359,5 @@ def _windows(points: Array) -> Array:
 
 
 _QUARTERS = (np.arange(_ROWS) / _ROWS)[:, None]
-_ARGUMENTS = np.array([[0, 1, 2], [1, 2, 3], [2, 3, 4], [5, 6, 7], [6, 7, 8], [7, 8, 9]])
-_PIECES = np.array([3, 3, 3, 10, 10, 10])
+#: Of the five knots around an end, those that define each dictated control point.
+_ARGUMENTS = np.array([[0, 1, 2], [1, 2, 3], [2, 3, 4]])

@@ -101,10 +101,10 @@ class WaveletBSpline(SplineCurve):
         new._set(graded, known)
         return new
 
-    def _edit(self, graded: Graded, bound: float = 0.0) -> Edit[Self]:
+    def _edit(self, graded: Graded) -> Edit[Self]:
         if graded is self._graded:
-            return Edit(self, SpliceList.EMPTY, bound)
-        return Edit(self._of(graded, self._known), differences(self._graded, graded), bound)
+            return Edit(self, SpliceList.EMPTY)
+        return Edit(self._of(graded, self._known), differences(self._graded, graded))
 
     # -- reading -----------------------------------------------------------------------------------
 
@@ -213,8 +213,8 @@ class WaveletBSpline(SplineCurve):
         See `multirep.representations.wavelet.splicing`. The cost depends on the samples and the
         knots needed, not on the size of the curve.
         """
-        graded, bound = splicing.splice(self._graded, sampled, tolerance=tolerance)
-        return self._edit(graded, bound)
+        graded, changed, bound = splicing.splice(self._graded, sampled, tolerance=tolerance)
+        return Edit(self._of(graded, self._known), SpliceList([changed]), bound)
 
     def reach(self, interval: Interval, within: Interval) -> Interval:
         """Prefer ends that are knots, two spans farther out if there is room.

@@ -23,6 +23,7 @@ __all__ = [
     "level_counts",
     "levels",
     "parameters",
+    "recounted",
     "starting",
 ]
 
@@ -56,7 +57,7 @@ def finest_level(domain: Interval) -> int:
     (46, 27)
     """
     largest = max(abs(domain.start), abs(domain.stop))
-    resolved = math.log2(domain.length / (_ULPS * float(np.spacing(largest))))
+    resolved = math.log2(domain.length / (_ULPS * math.ulp(largest)))
     return max(0, min(FINEST_LEVEL, math.floor(resolved)))
 
 
@@ -146,7 +147,7 @@ def starting(start: float, stop: float, first: float, last: float) -> Array:
     steps = []
     for length, sign, end in ((first, 1.0, start), (last, -1.0, stop)):
         if 6.0 * length < whole:
-            grain = 2.0 ** (math.floor(math.log2(length)) - 2)
+            grain = math.ldexp(1.0, math.frexp(length)[1] - 3)
             origin = round(end / grain) * grain
             step = sign * round(length / grain) * grain
             steps += [origin + step, origin + 2 * step, origin + 3 * step]
@@ -171,16 +172,28 @@ def levels(u: Array) -> Indices:
 
 
 def level_counts(u: Array) -> Indices:
-    """Count knots by level, (53,); kept up to date by what an edit takes out and puts in.
+    """Count knots by level, (53,).
 
     Examples
     --------
     >>> level_counts(np.array([0.25, 0.5, 0.75]))[:4].tolist()
     [0, 1, 2, 0]
     """
+    return recounted(np.zeros(53, dtype=np.intp), u, u[:0])
+
+
+def recounted(counts: Indices, added: Array, removed: Array) -> Indices:
+    """Return the counts after an edit put some knots in and took some out.
+
+    Examples
+    --------
+    >>> recounted(level_counts(np.array([0.25, 0.5])), np.array([0.75]), np.array([0.5]))[:3]
+    array([0, 0, 2])
+    """
     if compiled.active:
-        found = np.empty(53, dtype=np.intp)
-        compiled.core.level_counts(u, found)
+        found = counts.copy()
+        compiled.core.recount(added, removed, found)
         return found
-    counts: Indices = np.bincount(levels(u), minlength=53)
-    return counts
+    changed: Indices = counts + np.bincount(levels(added), minlength=53)
+    changed -= np.bincount(levels(removed), minlength=53)
+    return changed

@@ -12,7 +12,7 @@ from multirep.arrays import Array, Indices
 from multirep.blocks import BlockArray
 from multirep.interval import Interval
 from multirep.patches import patch_of, patched, replacement
-from multirep.representations.wavelet.dyadic import level_counts, parameters
+from multirep.representations.wavelet.dyadic import level_counts, parameters, recounted
 from multirep.splices import SpliceList
 from multirep.splines import compiled
 from multirep.splines.evaluation import evaluate
@@ -130,7 +130,7 @@ class Graded:
         if not len(u) and knots[0] == knots[1]:
             return Graded(self.domain, self.u, changed, self.counts, magnitude)
         # Ends of T in both cancel; their level is 0 like that of no other knot.
-        counts = self.counts + level_counts(u) - level_counts(self.u.window(*knots))
+        counts = recounted(self.counts, u, self.u.window(*knots))
         return Graded(self.domain, self.u.replaced(*knots, u), changed, counts, magnitude)
 
     def patch(self, other: Graded) -> bytes | None:
@@ -148,8 +148,7 @@ class Graded:
         counts = self.counts
         if u is not self.u:
             low, gone, come = replacement(patch)
-            counts = counts + level_counts(u.window(low, low + come))
-            counts -= level_counts(self.u.window(low, low + gone))
+            counts = recounted(counts, u.window(low, low + come), self.u.window(low, low + gone))
         made = Graded(self.domain, u, points, counts, magnitude)
         return made, None if back is None else _MAGNITUDE.pack(self.magnitude) + back
 
@@ -215,7 +214,8 @@ def differences(one: Graded, two: Graded) -> SpliceList:
         rows = one.points.window(begin - 3, end), two.points.window(begin - 3, end + shift)
         read = one.u.window(begin - 3, end + 4), two.u.window(begin - 3, end + shift + 4)
         intervals = compiled.core.changed_spans(3, *read, [rows])
-        return SpliceList(parameters(np.array(intervals).reshape(-1, 2), one.domain).tolist())
+        starts, stops = parameters(np.array(intervals).reshape(-1, 2).T, one.domain).tolist()
+        return SpliceList.unchecked(tuple(starts), tuple(stops))
     count, a = end - begin, one.u.window(begin - 2, end + 3)
     mine = one.points.window(begin - 3, end).view(np.int64)
     theirs = two.points.window(begin - 3, end + shift).view(np.int64)

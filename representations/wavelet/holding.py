@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from multirep.arrays import Array
 from multirep.interval import Interval
 from multirep.representations.wavelet.dyadic import coarsest_between, finest_level, parameters
 from multirep.representations.wavelet.graded import Graded
@@ -144,24 +145,27 @@ def reached(curve: Graded, interval: Interval, within: Interval) -> Interval:
     [0.375, 0.6875]
     """
     a, b = interval
-    step = tight(curve)
-    # a few numbers only: lists are cheaper than arrays
     if a > curve.domain.start:
         k = curve.span_at(a)
         first = max(k + 1 - _REACH, 3)
-        u, near = curve.u.window(first - 1, k + 1), curve.knots(first, k + 1)
-        steps = (u[1:] - u[:-1]).tolist()
-        for knot, beside in zip(near.tolist(), steps, strict=True):
-            if within.start <= knot <= a and beside != step:
-                a = knot
-                break
+        u = curve.u.window(first - 1, k + 1)
+        a = _farthest(curve, u[1:], u[:-1], a, within)
     if b < curve.domain.stop:
         k = curve.span_at(b, "left") + 1
         last = min(k + _REACH, curve.size + 1)
-        u, near = curve.u.window(k, last + 1), curve.knots(k, last)
-        steps = (u[1:] - u[:-1]).tolist()
-        for knot, beside in zip(near.tolist()[::-1], steps[::-1], strict=True):
-            if b <= knot <= within.stop and beside != step:
-                b = knot
-                break
+        u = curve.u.window(k, last + 1)
+        b = _farthest(curve, u[-2::-1], u[:0:-1], b, within)
     return Interval(a, b)
+
+
+def _farthest(curve: Graded, u: Array, beyond: Array, end: float, within: Interval) -> float:
+    """Choose the first of some knots from the outside on, given the knot beyond each; or ``end``.
+
+    These are a few numbers only: lists are cheaper than arrays.
+    """
+    step = tight(curve)
+    near: list[float] = parameters(u, curve.domain).tolist()
+    for t, at, next_one in zip(near, u.tolist(), beyond.tolist(), strict=True):
+        if within.start <= t <= within.stop and abs(next_one - at) != step:
+            return t
+    return end

@@ -20,14 +20,14 @@ from multirep.representations.wavelet.dyadic import halves, parameters
 from multirep.representations.wavelet.target import Target
 from multirep.splines import compiled
 
-__all__ = ["predict"]
+__all__ = ["MARGIN", "predict", "projection"]
 
 #: Samples of a span and its margins. More see narrower features (which the fit would find anyway),
 #: fewer cost less.
 _SAMPLES = 13
 #: How far a span looks beyond its ends, in its lengths: so that a corner at a knot is seen from
 #: both sides.
-_MARGIN = 0.25
+MARGIN = 0.25
 
 
 #: What no quintic explains counts so much: it comes from corners, which cost a spline more than a
@@ -76,7 +76,7 @@ def predict(
     >>> np.sort(predict(target, np.array([0.0]), np.array([1.0]), 2.0**-40, Interval(0, 1)))
     array([0.25  , 0.3125, 0.375 , 0.5   ])
     """
-    projection, places = _projection()
+    projections, places = projection()
     if compiled.active:
         knots = compiled.core.predict(
             target.t,
@@ -89,8 +89,8 @@ def predict(
             shortest,
             domain.start,
             domain.stop,
-            _MARGIN,
-            projection,
+            MARGIN,
+            projections,
             places,
         )
         return np.frombuffer(knots)
@@ -110,14 +110,14 @@ def predict(
 
 def _unexplained(target: Target, low: Array, high: Array) -> Array:
     """Square what single polynomials leave of the target on spans, in terms of what is allowed."""
-    projection, places = _projection()
+    projections, places = projection()
     walls = np.concatenate((target.t[:1], target.corners, target.t[-1:]))
-    margin = _MARGIN * (high - low)
+    margin = MARGIN * (high - low)
     side = target.corners.searchsorted(low + 0.5 * margin)
     low = np.maximum(low - margin, walls.take(side))
     high = np.minimum(high + margin, walls.take(side + 1))
     values, chords = target.at(low + (high - low) * places)
-    off = projection @ values
+    off = projections @ values
     off *= off
     square = off.sum(axis=0).reshape(2, _SAMPLES, -1).max(axis=0)
     square /= np.square(target.allowances).take(chords)
@@ -126,7 +126,7 @@ def _unexplained(target: Target, low: Array, high: Array) -> Array:
 
 
 @cache
-def _projection() -> tuple[Array, Array]:
+def projection() -> tuple[Array, Array]:
     """Return projections (26, 13) onto what no cubic, no quintic explains; the places (13, 1)."""
     places = np.linspace(0.0, 1.0, _SAMPLES)[:, None]
     projections = []

@@ -15,32 +15,18 @@ from typing import NamedTuple
 import numpy as np
 
 from multirep.arrays import Array
-from multirep.errors import InvalidCurveError, ParameterError, ToleranceError
+from multirep.errors import InvalidCurveError, ParameterError
 from multirep.interval import Interval
-from multirep.representations.wavelet.attempt import (
-    Attempt,
-    Frame,
-    Problem,
-    frame_pieces,
-)
-from multirep.representations.wavelet.dyadic import (
-    clusters,
-    coarsest_between,
-    finest_level,
-    halves,
-    parameters,
-    starting,
-)
-from multirep.representations.wavelet.fitting import fit_stretch
+from multirep.representations.wavelet.attempt import Frame, Piece, Problem
+from multirep.representations.wavelet.beginning import beginning, gap_error
+from multirep.representations.wavelet.dyadic import coarsest_between, finest_level, parameters
+from multirep.representations.wavelet.fitting import fit_stretch, thinned
 from multirep.representations.wavelet.graded import Graded, clamped
-from multirep.representations.wavelet.prediction import predict
 from multirep.representations.wavelet.target import Target
 from multirep.sampled import SampledSplice
-from multirep.splines import compiled
 from multirep.splines.deviation import spline_chord_deviation
 from multirep.splines.evaluation import evaluate
 from multirep.splines.pieces import largest_coordinate
-from multirep.splines.polar import blossom
 from multirep.splines.simplification import simplified
 
 __all__ = ["fit", "splice"]
@@ -49,13 +35,8 @@ __all__ = ["fit", "splice"]
 #: may use. Larger saves time and costs control points.
 _MANY_CHORDS = 4096
 _SIMPLIFYING_SHARE = 0.05
-#: Spans to begin with where no, one or both ends are joined: three would leave nothing free between
-#: two joins.
-_FEWEST_SPANS = (1, 3, 4)
 #: So many old knots beside an end that is a knot are kept where they can be.
 _KEPT = 2
-#: Kept spans may be longer by this factor than the turn from the old piece to the target needs.
-_ABOUT = 1.5
 #: The old curve leads in over at most this part of the interval.
 _LEAD_IN = 1 / 8
 #: How much nearer to the end the next try is when the old curve leaves the allowance on its
@@ -72,6 +53,8 @@ class _End(NamedTuple):
     """Index of the old span whose piece continues up to there."""
     joined: bool
     """False at an end of T."""
+    stays: bool
+    """Whether it is a knot already."""
     bound: float
     """Proved deviation of the old piece between here and the end of the interval."""
 
@@ -87,15 +70,11 @@ def fit(sampled: SampledSplice, *, tolerance: float) -> tuple[Graded, float]:
     domain = sampled.interval
     target, left_out = _simpler(sampled, tolerance)
     ends = np.array([domain.start, domain.stop])
-    frame = Frame(ends[[0, 0, 0]], ends[[1, 1, 1]], None, False, False)
-    fitted = _fit(
-        target,
-        (np.array([0.0]), np.array([1.0])),
-        domain,
-        frame,
-        largest_coordinate(sampled.points),
-        thin=True,
-    )
+    frame = Frame(ends[[0, 0, 0]], ends[[1, 1, 1]], None, None)
+    problem = Problem.of(target, domain, frame, largest_coordinate(sampled.points))
+    shortest = 2.0 ** -finest_level(domain)
+    u = beginning(target, (np.array([0.0]), np.array([1.0])), domain, frame, shortest)
+    fitted = thinned(problem, fit_stretch(problem, u, shortest=shortest))
     curve = Graded.of(domain, clamped(fitted.u), fitted.points.T + target.origin)
     return curve, fitted.bound + left_out
 
@@ -111,8 +90,10 @@ def _simpler(sampled: SampledSplice, tolerance: float) -> tuple[Target, float]:
     return Target.along(t, points, allowances), left_out
 
 
-def splice(curve: Graded, sampled: SampledSplice, *, tolerance: float) -> tuple[Graded, float]:
-    """Follow a polyline on its interval; returns the new curve with its proved deviation there.
+def splice(
+    curve: Graded, sampled: SampledSplice, *, tolerance: float
+) -> tuple[Graded, Interval, float]:
+    """Follow a polyline on its interval.
 
     Parameters
     ----------
@@ -123,6 +104,14 @@ def splice(curve: Graded, sampled: SampledSplice, *, tolerance: float) -> tuple[
     tolerance : float
         As in :meth:`SampledSplice.allowance`.
 
+    Returns
+    -------
+    curve : Graded
+    changed : Interval
+        Outside, not a bit is another.
+    bound : float
+        The proved deviation on the interval of the samples.
+
     Raises
     ------
     ToleranceError
@@ -131,7 +120,9 @@ def splice(curve: Graded, sampled: SampledSplice, *, tolerance: float) -> tuple[
 
     Notes
     -----
-    Costs what the window costs.
+    Costs what the window costs. The fit is not thinned as a first one is: that would leave an
+    eighth to a fifth fewer control points on a curve that is edited all over, but use up the room
+    that the splices of others need where they end beside this one.
     """
     interval = sampled.interval
     if not curve.domain.contains(interval):
@@ -145,39 +136,59 @@ def splice(curve: Graded, sampled: SampledSplice, *, tolerance: float) -> tuple[
     first, last = curve.span_at(interval.start), curve.span_at(interval.stop, "left")
     start = _start(curve, target, interval.start, first)
     stop = _stop(curve, target, interval.stop, last)
-    frame, inner, kept = _frame(curve, start, stop, target.origin)
-    magnitude = largest_coordinate(sampled.points, kept)
-    fitted = _fit(
-        target, _knots_to_keep(curve, start, stop), curve.domain, frame, magnitude, thin=False
-    )
+    frame = _frame(curve, start, stop, target.origin)
+    old = curve.points.window(start.span - 2, stop.span)
+    problem = Problem.of(target, curve.domain, frame, largest_coordinate(sampled.points, old))
+    shortest = 2.0 ** -finest_level(curve.domain)
+    ends = _knots_to_keep(curve, start, stop)
+    u = beginning(target, ends, curve.domain, frame, shortest)
+    fitted = fit_stretch(problem, u, shortest=shortest)
+    stay = _staying(frame, fitted.x)
     rows = np.add(fitted.points.T, target.origin, order="C")
-    if frame.pieces is not None:
-        same = (fitted.arguments == inner).all(axis=1, keepdims=True)
-        if start.joined:
-            np.copyto(rows[:3], kept[:3], where=same[:3])
-        if stop.joined:
-            np.copyto(rows[-3:], kept[3:], where=same[3:])
+    # A dictated control point whose knots stay is the old one, bit by bit; the support of the next
+    # one is where the change begins.
+    begin, end = curve.domain
+    if frame.left:
+        rows[: stay[0]] = old[: stay[0]]
+        begin = float(frame.left.knots[stay[0]])
+    if frame.right:
+        rows[len(rows) - stay[1] :] = old[len(old) - stay[1] :]
+        end = float(frame.right.knots[5 - stay[1]])
     spliced = curve.replaced(
         (start.span + 1, stop.span + 1), fitted.u, (start.span - 2, stop.span), rows
     )
-    return spliced, max(fitted.bound, start.bound, stop.bound)
+    return spliced, Interval(begin, end), max(fitted.bound, start.bound, stop.bound)
+
+
+def _staying(frame: Frame, x: Array) -> tuple[int, int]:
+    """Count the old knots that stay, three at most, from either end of the stretch on."""
+    left, right = frame.left, frame.right
+    return (
+        _common(x[:3], left.knots[3:]) if left else 0,
+        _common(x[:-4:-1], right.knots[2::-1]) if right else 0,
+    )
+
+
+def _common(new: Array, old: Array) -> int:
+    pairs = zip(new.tolist(), old.tolist(), strict=True)
+    return next((k for k, (a, b) in enumerate(pairs) if a != b), 3)
 
 
 def _start(curve: Graded, target: Target, a: float, span: int) -> _End:
     """Find where the free stretch begins."""
     if a == curve.domain.start:
-        return _End(0.0, 2, False, 0.0)
+        return _End(0.0, 2, False, False, 0.0)
     if curve.knots(span, span + 1)[0] == a:
-        return _End(float(curve.u[span]), span - 1, True, 0.0)
+        return _End(float(curve.u[span]), span - 1, True, True, 0.0)
     return _lead_in(curve, target, a, span, forwards=True)
 
 
 def _stop(curve: Graded, target: Target, b: float, span: int) -> _End:
     """Find where the free stretch ends."""
     if b == curve.domain.stop:
-        return _End(1.0, curve.size, False, 0.0)
+        return _End(1.0, curve.size, False, False, 0.0)
     if curve.knots(span + 1, span + 2)[0] == b:
-        return _End(float(curve.u[span + 1]), span + 1, True, 0.0)
+        return _End(float(curve.u[span + 1]), span + 1, True, True, 0.0)
     return _lead_in(curve, target, b, span, forwards=False)
 
 
@@ -191,7 +202,7 @@ def _lead_in(curve: Graded, target: Target, end: float, span: int, *, forwards: 
     gap = math.sqrt(float(away @ away))
     room = float(target.allowances[chord]) - gap
     if room <= 0.0:
-        raise _gap_error(target, end, gap, chord)
+        raise gap_error(target, end, gap, chord)
     next_knot = float(knots[4] if forwards else knots[3])
     reach = min(abs(next_knot - end), _LEAD_IN * float(t[-1] - t[0]))
     slope = evaluate(knots, points, 3, at, order=1)[0] - target.slopes[:, chord]
@@ -202,7 +213,7 @@ def _lead_in(curve: Graded, target: Target, end: float, span: int, *, forwards: 
     if abs(next_knot - end) < shortest:  # no room for another knot between: all of the old piece
         bound = _led(knots, points, target, end, next_knot)
         if bound is not None:
-            return _End(float(curve.u[span + 1 if forwards else span]), span, True, bound)
+            return _End(float(curve.u[span + 1 if forwards else span]), span, True, True, bound)
     sign = 1.0 if forwards else -1.0
     while reach >= shortest:
         ends = sorted(
@@ -211,13 +222,13 @@ def _lead_in(curve: Graded, target: Target, end: float, span: int, *, forwards: 
         u = coarsest_between(*ends)
         near = float(parameters(np.array([u]), domain)[0])
         if near == end:
-            return _End(u, span, True, 0.0)
+            return _End(u, span, True, False, 0.0)
         if (near > end) == forwards and abs(near - end) <= reach:
             bound = _led(knots, points, target, end, near)
             if bound is not None:
-                return _End(u, span, True, bound)
+                return _End(u, span, True, near == next_knot, bound)
         reach *= _NEARER
-    raise _gap_error(target, end, gap, chord)
+    raise gap_error(target, end, gap, chord)
 
 
 def _led(knots: Array, points: Array, target: Target, end: float, near: float) -> float | None:
@@ -231,38 +242,17 @@ def _led(knots: Array, points: Array, target: Target, end: float, near: float) -
     return float(proved.max()) if kept else None
 
 
-def _gap_error(target: Target, end: float, gap: float, chord: int) -> ToleranceError:
-    allowance = float(target.allowances[chord])
-    return ToleranceError(
-        f"at t = {end:.6g}, where the splice must join the curve outside, that is {gap:.3g} from "
-        f"the samples already; {allowance:.3g} is allowed and the rest of it too little to lead in",
-        tolerance=allowance,
-        where=end,
-    )
+def _frame(curve: Graded, start: _End, stop: _End, origin: Array) -> Frame:
+    """Cut out the surroundings."""
+    left, right = (_piece(curve, end, origin) if end.joined else None for end in (start, stop))
+    before = left.knots[:3] if left else curve.knots(start.span - 2, start.span + 1)
+    after = right.knots[3:] if right else curve.knots(stop.span + 1, stop.span + 4)
+    return Frame(before, after, left, right)
 
 
-def _fineness_error(target: Target, domain: Interval) -> ToleranceError:
-    return ToleranceError(
-        f"near the ends of the splice [{target.t[0]:.17g}, {target.t[-1]:.17g}] knots finer "
-        f"than the finest on T = {domain} would be needed"
-    )
-
-
-def _frame(curve: Graded, start: _End, stop: _End, origin: Array) -> tuple[Frame, Array, Array]:
-    """Cut out the surroundings, and inner knots (6, 3) and rows (6, d) to keep if they stay."""
-    before = curve.knots(start.span - 2, start.span + 1)
-    after = curve.knots(stop.span + 1, stop.span + 4)
-    if not (start.joined or stop.joined):
-        return Frame(before, after, None, False, False), np.empty((0, 3)), np.empty((0, 1))
-    sides = [
-        (curve.knots(end.span - 2, end.span + 4), curve.points.window(end.span - 3, end.span + 1))
-        for end in ((start if start.joined else stop), (stop if stop.joined else start))
-    ]
-    (left_knots, left), (right_knots, right) = sides
-    inner = np.concatenate((left_knots, right_knots)).take(_INNER)
-    pieces = frame_pieces((left_knots, left - origin), (right_knots, right - origin))
-    kept = np.concatenate((left[1:], right[:3]))
-    return Frame(before, after, pieces, start.joined, stop.joined), inner, kept
+def _piece(curve: Graded, end: _End, origin: Array) -> Piece:
+    knots = curve.knots(end.span - 2, end.span + 4)
+    return Piece(knots, curve.points.window(end.span - 3, end.span + 1) - origin)
 
 
 def _knots_to_keep(curve: Graded, start: _End, stop: _End) -> tuple[Array, Array]:
@@ -272,12 +262,10 @@ def _knots_to_keep(curve: Graded, start: _End, stop: _End) -> tuple[Array, Array
     """
     first, last = np.array([start.u]), np.array([stop.u])
     i, j = start.span + 1, stop.span
-    at_start = start.joined and start.u == curve.u[i]
-    at_stop = stop.joined and stop.u == curve.u[j]
-    inside = j - i + 1 - at_start - at_stop
-    if at_start and inside >= _KEPT:
+    inside = j - i + 1 - start.stays - stop.stays
+    if start.stays and inside >= _KEPT:
         first = curve.u.window(i, i + _KEPT + 1)
-    if at_stop and inside >= _KEPT:
+    if stop.stays and inside >= _KEPT:
         last = curve.u.window(j - _KEPT, j + 1)
     if first[-1] >= last[0]:
         # Too few for both ends: the closer ones, which guard something.
@@ -286,93 +274,3 @@ def _knots_to_keep(curve: Graded, start: _End, stop: _End) -> tuple[Array, Array
         else:
             first = first[:1]
     return first, last
-
-
-def _fit(
-    target: Target,
-    ends: tuple[Array, Array],
-    domain: Interval,
-    frame: Frame,
-    magnitude: float,
-    *,
-    thin: bool,
-) -> Attempt:
-    """Predict the knots between the first and the last ones, then fit."""
-    problem = Problem.of(target, domain, frame, magnitude)
-    shortest = 2.0 ** -finest_level(domain)
-    first, last = ends
-    u = np.array([first[0], last[-1]])
-    if frame.pieces is not None:
-        lengths = _first_spans(target, parameters(u, domain), frame)
-        if not min(lengths):
-            # The old piece beside an end is a sliver; continued, it swings out at once.
-            raise _fineness_error(target, domain)
-        lengths = lengths[0] / domain.length, lengths[1] / domain.length
-        if len(first) > 1 and float((first[1:] - first[:-1]).max()) > _ABOUT * lengths[0]:
-            first = first[:1]
-        if len(last) > 1 and float((last[1:] - last[:-1]).max()) > _ABOUT * lengths[1]:
-            last = last[-1:]
-        u = starting(float(first[-1]), float(last[0]), *lengths)
-    if len(target.corners):
-        sharp = clusters(
-            (target.corners - domain.start) / domain.length,
-            np.maximum(target.widths / domain.length, 8 * shortest),
-        )
-        u = np.concatenate((u, sharp[(sharp > u[0]) & (sharp < u[-1])]))
-        u.sort()
-        u = u[np.concatenate(([True], u[1:] > u[:-1]))]
-    while len(u) <= _FEWEST_SPANS[frame.left + frame.right]:
-        u = np.sort(np.concatenate((u, halves(u[:-1], u[1:]))))
-    if (u[1:] - u[:-1]).min() < shortest:
-        raise _fineness_error(target, domain)
-    more = predict(target, u[:-1], u[1:], shortest, domain)
-    u = np.concatenate((first[:-1], u, more, last[1:]))
-    u.sort()
-    return fit_stretch(problem, u, shortest=shortest, thin=thin)
-
-
-def _first_spans(target: Target, ends: Array, frame: Frame) -> tuple[float, float]:
-    """Return how long the first and last span may be for the curve to turn to the target.
-
-    As far as the old piece, continued, departs from the target by 3/2 of the room there is (0 where
-    it does so at once): a curve that leaves it with all derivatives but the third is off by 0.6 s h
-    on spans of length h if the target leaves at the slope s.
-    """
-    assert frame.pieces is not None
-    start, stop = ends.tolist()
-    steps = (stop - start) * _STEPS
-    lengths = [stop - start, stop - start]
-    for side, joined in enumerate((frame.left, frame.right)):
-        if joined:
-            end = stop if side else start
-            far, gap, chord = _departure(target, frame.pieces, side, end, -steps if side else steps)
-            if gap > target.allowances[chord]:
-                raise _gap_error(target, end, gap, chord)
-            if far > 0:
-                lengths[side] = float(steps[far - 1])
-    return lengths[0], lengths[1]
-
-
-def _departure(
-    target: Target, pieces: tuple[Array, Array], side: int, end: float, steps: Array
-) -> tuple[int, float, int]:
-    """Return the first step where the old piece is too far off (or -1), the gap at 0, its chord."""
-    if compiled.active:
-        polyline = target.t, target.points, target.slopes, target.allowances
-        return compiled.core.departure(*polyline, *pieces, _SPANS[side], end, steps)
-    t = end + steps
-    values, chords = target.at(t)
-    spans = np.full(len(t), _SPANS[side])
-    away = blossom(*pieces, 3, spans, t[:, None].repeat(3, axis=1)).T - values
-    gap = math.sqrt(float(np.square(away[:, 0]).sum()))
-    allowance = float(target.allowances[chords[0]])
-    square = np.square(away - away[:, :1]).sum(axis=0)
-    far = square > (1.5 * max(allowance - gap, allowance / 8)) ** 2
-    return int(far.argmax()) if far.any() else -1, gap, int(chords[0])
-
-
-#: Where the old pieces are compared with the target, in parts of the stretch from the joined end.
-_STEPS = np.concatenate(([0.0], 2.0 ** np.arange(-38.0, 0.0)))
-#: The spans of the old pieces, see `frame_pieces`.
-_SPANS = (3, 10)
-_INNER = np.array([[1, 2, 3], [2, 3, 4], [3, 4, 5], [6, 7, 8], [7, 8, 9], [8, 9, 10]])

@@ -10,6 +10,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, NamedTuple, TypeVar
 
+import attrs
 import numpy as np
 import pytest
 from hypothesis import assume, given
@@ -17,6 +18,7 @@ from hypothesis import strategies as st
 
 from multirep.bitwise import common_ends
 from multirep.blocks import BlockArray
+from multirep.errors import ToleranceError
 from multirep.interval import Interval
 from multirep.representations.nurbs import boehm
 from multirep.representations.nurbs.changes import difference
@@ -26,16 +28,17 @@ from multirep.representations.nurbs.refinement import window_breakpoints
 from multirep.representations.polyline.differences import _between_common
 from multirep.representations.polyline.sampling import sample_stretch
 from multirep.representations.polyline.simplification import simplify
-from multirep.representations.wavelet import attempt, prediction, splicing
+from multirep.representations.wavelet import attempt, beginning, prediction
 from multirep.representations.wavelet.analysis import analyse
 from multirep.representations.wavelet.details import plus
-from multirep.representations.wavelet.dyadic import halves, level_counts
+from multirep.representations.wavelet.dyadic import halves, level_counts, recounted
 from multirep.representations.wavelet.filters import (
     add_details,
     column_table,
     end_rows,
     refine_uniform,
 )
+from multirep.representations.wavelet.fitting import thinned
 from multirep.representations.wavelet.graded import Graded, clamped
 from multirep.representations.wavelet.target import Target
 from multirep.sampled import SampledSplice, interpolate, join
@@ -372,18 +375,13 @@ def targets(draw: st.DrawFn) -> tuple[Target, attempt.Problem, Array]:
     points += draw(st.sampled_from([0.0, 1e6])) * scale
     sampled = SampledSplice(t, points)
     target = Target.of(sampled, draw(st.sampled_from([1.0, 1e-3])) * scale)
-    joined = draw(st.booleans())
-    pieces = None
-    if joined:
-        knots = (np.arange(-2.0, 4.0) / 8, np.arange(-2.0, 4.0) / 8 + 0.9)
-        local = rng.integers(-64, 65, (2, 4, d)) / 64 * scale
-        pieces = attempt.frame_pieces((knots[0], local[0]), (knots[1], local[1]))
+    knots, local = np.arange(-2.0, 4.0) / 8, rng.integers(-64, 65, (2, 4, d)) / 64 * scale
+    left, right = draw(st.tuples(st.booleans(), st.booleans()))
     frame = attempt.Frame(
-        np.array([-3, -2, -1]) / 8 if joined else np.zeros(3),
-        np.array([9, 10, 11]) / 8 if joined else np.ones(3),
-        pieces,
-        joined,
-        joined,
+        np.array([-3, -2, -1]) / 8 if left else np.zeros(3),
+        np.array([9, 10, 11]) / 8 if right else np.ones(3),
+        attempt.Piece(knots, local[0]) if left else None,
+        attempt.Piece(knots + 0.9, local[1]) if right else None,
     )
     problem = attempt.Problem.of(target, Interval(0.0, 1.0), frame, scale)
     return target, problem, u
@@ -400,6 +398,34 @@ def test_a_wavelet_fit_is_the_same(drawn: tuple[Target, attempt.Problem, Array])
     rounded = 1e-9 * scale / problem.limits.min()
     assert np.abs(fast.ratios - pure.ratios).max() <= rounded
     assert abs(fast.bound - pure.bound) <= 1e-9 * scale
+
+
+@given(targets(), st.sampled_from([1.1, 1.5, 3.0]))
+def test_fits_are_thinned_alike(drawn: tuple[Target, attempt.Problem, Array], more: float) -> None:
+    """The same knots are spared, as long as the limits are kept."""
+    target, problem, u = drawn
+    bends = target.points[:, :-1] * np.diff(target.t)
+    slopes = np.cumsum(bends - bends.mean(axis=1, keepdims=True), axis=1)
+    points = np.zeros_like(target.points)
+    np.cumsum(slopes * np.diff(target.t), axis=1, out=points[:, 1:])
+    problem = attrs.evolve(problem, target=target._replace(points=points, slopes=slopes))
+    room = more * problem.attempt(u).bound + np.abs(points).max() / 1024
+    problem = attrs.evolve(problem, limits=np.full(len(problem.limits), room))
+    found = problem.attempt(u)
+    fast, pure = both(lambda: thinned(problem, found))
+    for thin in (fast, pure):
+        assert thin.ratios.max() <= 1.0
+        assert thin.bound <= room + problem.slack
+        assert set(thin.u) <= set(u)
+        assert same(thin.u[[0, -1]], u[[0, -1]])
+    assert same(fast.u, pure.u)
+    scale = max(np.abs(pure.points).max(), np.abs(points).max())
+    again = problem.attempt(fast.u)
+    for thin in (pure, again):
+        assert np.abs(fast.points - thin.points).max() <= 1e-9 * scale
+        assert np.abs(fast.nets - thin.nets).max() <= 1e-9 * scale
+        assert abs(fast.bound - thin.bound) <= 1e-9 * scale
+        assert same(fast.x, thin.x)
 
 
 @given(targets())
@@ -484,6 +510,8 @@ def test_levels_are_counted_alike(numerators: list[int]) -> None:
     """Coarse dyadic numbers and the finest."""
     u = np.concatenate((np.array(numerators, dtype=float) / 2**20, [2.0**-46, 0.0, 1.0]))
     fast, pure = both(lambda: level_counts(u))
+    assert same(fast, pure)
+    fast, pure = both(lambda: recounted(pure, u[::2], u[1::3]))
     assert same(fast, pure)
 
 
@@ -634,25 +662,46 @@ def test_changes_of_a_level_are_added_alike(
     assert fast.magnitude == pure.magnitude
 
 
-@given(targets(), st.floats(0, 1))
-def test_old_pieces_depart_from_the_target_alike(
-    drawn: tuple[Target, attempt.Problem, Array], place: float
+@given(
+    st.integers(-6, 6),
+    st.integers(1, 4),
+    st.tuples(*[st.sampled_from([None, 0.0, 0.25, 0.95, 2.0])] * 2),
+    st.tuples(*[st.tuples(st.integers(0, 2), st.integers(2, 12))] * 2),
+    st.lists(st.tuples(st.integers(1, 63), st.integers(1, 64)), max_size=3),
+    st.sampled_from([8, 12, 40]),
+)
+def test_fits_begin_with_the_same_knots(
+    size: int,
+    power: int,
+    gaps: tuple[float | None, float | None],
+    kept: tuple[tuple[int, int], tuple[int, int]],
+    spikes: list[tuple[int, int]],
+    level: int,
 ) -> None:
-    """How far a cubic that joins is followed, how far off it is at the end, from either end."""
-    target, problem, _ = drawn
-    pieces = problem.frame.pieces
-    assume(pieces is not None)
-    assert pieces is not None
-    steps = np.concatenate(([0.0], 2.0 ** np.arange(-38.0, 0.0))) * (1 - 0.5 * place)
-    for side, end, away in ((0, 0.5 * place, steps), (1, 1.0, -steps)):
-        fast, pure = both(
-            lambda side=side, end=end, away=away: splicing._departure(
-                target, pieces, side, end, away
-            )
-        )
-        assert fast[0] == pure[0]
-        assert fast[1] == pytest.approx(pure[1], rel=1e-14)
-        assert fast[2] == pure[2]
+    """Old knots that stay, turns from old pieces, corners and predictions; the same refusals."""
+    t = np.arange(65) / 64
+    points = 2.0**size * (4 * t * (1 - t)) ** power
+    for at, height in spikes:
+        points[at] += height / 8
+    target = Target.of(SampledSplice(t, points[:, None]), 1 / 64)
+    pieces = [
+        None if gap is None else attempt.Piece(np.arange(-2.0, 4.0) / 4 + end, np.full((4, 1), gap))
+        for end, gap in zip((0.0, 0.75), (gap and gap / 64 for gap in gaps), strict=True)
+    ]
+    outside = np.array([-3.0, -2.0, -1.0]), np.array([2.0, 3.0, 4.0])
+    frame = attempt.Frame(*outside, *pieces)
+    inside = [np.arange(count + 1) * 2.0**-fine for count, fine in kept]
+    ends = inside[0], 1 - inside[1][::-1]
+    assume(ends[0][-1] < ends[1][0])
+    domain, said = Interval(0.0, 1.0), []
+    for active in (True, False):
+        with core(active):
+            try:
+                u = beginning.beginning(target, ends, domain, frame, 2.0**-level)
+                said.append(u.tolist())
+            except ToleranceError as error:
+                said.append(str(error))
+    assert said[0] == said[1]
 
 
 @given(st.integers(1, 40), st.integers(1, 4), seeds)
@@ -793,7 +842,7 @@ def test_what_does_not_fit_is_refused() -> None:
     with pytest.raises(TypeError, match="expected 2 arguments"):
         call.common(points)  # type: ignore[call-arg]
     with pytest.raises((BufferError, ValueError)):
-        call.level_counts(t, np.zeros(106, dtype=np.intp)[::2])
+        call.recount(t, t, np.zeros(106, dtype=np.intp)[::2])
     spans.setflags(write=False)
     with pytest.raises((BufferError, ValueError)):
         call.find_spans(knots, 2, t, spans)
@@ -813,23 +862,43 @@ def test_what_could_be_read_beyond_its_end_is_refused() -> None:
     for start, stop in ((1.0, 0.0), (float("nan"), 1.0)):
         with pytest.raises(ValueError, match="interval"):
             call.sample(knots, np.zeros((3, 2)), 2, False, start, stop, 1.0)
+    with pytest.raises(ValueError, match="interval"):
+        call.sample(knots, np.zeros((3, 2)), 2, False, 0.0, float("inf"), 1.0)
+    for place, bad in ((5, np.inf), (0, -np.inf), (2, np.nan), (2, -1.0), (3, -1.0)):
+        broken = knots.copy()
+        broken[place] = bad
+        with pytest.raises(ValueError, match="finite and not descend"):
+            call.sample(broken, np.eye(3), 2, False, 0.0, 1.0, 1e-3)
     rows, level = np.ones((1, 1)), np.arange(-6.0, 5.0)
     for first in (-9, 9):
         with pytest.raises(ValueError, match="beyond the changes"):
             call.plus(np.arange(5.0), np.arange(5.0), 1.0, first, level, rows, np.zeros((1, 1)))
     around, limits, nets = np.arange(3.0), np.ones(1), np.empty((4, 1, 2))
     line = np.array([0.0, 0.5]), np.zeros((1, 2)), np.zeros((1, 1))
-    for span in (2, 4):
-        with pytest.raises(ValueError, match="out of bounds"):
-            call.departure(*line, limits, np.arange(8.0), np.zeros((4, 1)), span, 0.0, around)
+    ends = np.empty(0), np.empty(0), np.zeros(1), np.ones(1)
+    tables = 1, 0.0, 1.0, 1e-9, 0.25, np.ones((2, 1)), np.zeros(1)
+    for old, rows in ((5, 4), (6, 3)):
+        piece = np.arange(float(old)), np.zeros((rows, 1))
+        with pytest.raises(ValueError, match="six knots and four"):
+            call.beginning(*line, limits, *ends, *piece, None, None, *tables)
+    with pytest.raises(ValueError, match="a width for each corner"):
+        call.beginning(*line, limits, np.zeros(1), *ends[1:], None, None, None, None, *tables)
+    for last in (0.0, np.nan, -1.0):
+        ends = *ends[:3], np.array([last])
+        with pytest.raises(ValueError, match="a stretch"):
+            call.beginning(*line, limits, *ends, None, None, None, None, *tables)
     far = np.array([0.0, 0.5]), np.ones((1, 2)), np.zeros((1, 1)), limits * 0.0, np.empty(0)
     spans = np.array([0.0]), np.array([np.inf]), 1e-9, 0.0, 1.0, 0.25
     with pytest.raises(ValueError, match="without end"):
         call.predict(*far, *spans, np.ones((2, 1)), np.zeros(1))
     for x in ([0.0, 9.0, 0.5], [0.0, np.nan, 0.5], [0.0, 0.5, np.nan]):
-        fit = (around, np.array(x), around, 0, 5, np.zeros((1, 5)), nets, np.empty(2))
+        bare = (*line, limits, around, around, *[None] * 4, np.array(x))
         with pytest.raises(ValueError, match="ascend"):
-            call.attempt(*line, limits, *fit)
+            call.attempt(*bare, np.zeros((1, 5)), nets, np.empty(2))
+        with pytest.raises(ValueError, match="ascend"):
+            call.spare(*bare, nets, np.empty(2), 1)
+    with pytest.raises(ValueError, match="do not fit the knots"):
+        call.spare(*bare, nets, np.empty(3), 1)
 
 
 @pytest.mark.parametrize("degree", [1, 3])
@@ -855,19 +924,19 @@ def test_what_is_no_number_is_never_proved(
 
 
 def test_a_fit_that_is_no_number_proves_nothing() -> None:
-    """One control point that is none spoils the bound of all and the ratio of its own spans."""
+    """A control point that is none spoils the bound and the ratio of every span that it reaches."""
     t, zero = np.array([0.0, 1.0]), np.zeros(1)
-    points, nets, ratios = np.zeros((1, 6)), np.empty((4, 1, 3)), np.empty(3)
-    points[0, 0] = np.nan
-    x = np.array([0.0, 0.25, 0.5, 1.0])
+    points, nets, ratios = np.empty((1, 6)), np.empty((4, 1, 3)), np.empty(3)
+    x, old = np.array([0.0, 0.25, 0.5, 1.0]), np.zeros((4, 1))
+    spoilt = np.array([[np.nan], [0.0], [0.0], [0.0]])
     bound = compiled.core.attempt(
-        *(t, np.zeros((1, 2)), zero[:, None], zero + 1.0, np.array([-3.0, -2.0, -1.0]), x),
-        *(np.array([2.0, 3.0, 4.0]), 6, 6, points, nets, ratios),
+        *(t, np.zeros((1, 2)), zero[:, None], zero + 1.0, np.array([-3.0, -2.0, -1.0])),
+        *(np.array([2.0, 3.0, 4.0]), np.array([-2.0, -1.0, 0.0, 0.25, 0.5, 1.0]), spoilt),
+        *(np.array([0.0, 0.25, 0.5, 1.0, 2.0, 3.0]), old, x, points, nets, ratios),
     )
     assert bound is not None
     assert np.isnan(bound)
-    assert np.isnan(ratios[0])
-    assert (ratios[1:] == 0.0).all()
+    assert np.isnan(ratios).all()
 
 
 def test_a_far_parameter_is_found_from_anywhere() -> None:

@@ -18,7 +18,7 @@ from multirep.representations.wavelet.target import Target
 
 def free_problem(sampled: SampledSplice, tolerance: float) -> Problem:
     target = Target.of(sampled, tolerance)
-    frame = Frame(np.zeros(3), np.ones(3), None, False, False)
+    frame = Frame(np.zeros(3), np.ones(3), None, None)
     return Problem(target, Interval(0.0, 1.0), frame, 0.0, target.allowances)
 
 

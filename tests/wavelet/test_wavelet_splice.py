@@ -155,6 +155,14 @@ def test_knots_that_a_finer_shape_left_behind_go():
     assert back.size <= value.size + 12
 
 
+@given(intervals, st.sampled_from([-0.1, 0.02]))
+def test_the_report_ends_where_the_changes_end(interval, height):
+    """A splice reports what it replaced, which is where control points and knots differ."""
+    value = curve()
+    edit = value.splice(pushed(value, interval, height), tolerance=TOLERANCE)
+    assert edit.splices.hull == value.changes(edit.value).hull
+
+
 def test_samples_alone_decide_the_knots():
     """Between the lead-ins, the result does not depend on the knots that were there before."""
     value = curve()
