@@ -156,16 +156,17 @@ static int thinned_once(Call *call, const Stretch *stretch, Fit *fit, Fit *trial
 METHOD(core_spare)
 {
     /* as for `attempt`, up to the knots (n + 1,), with nets (4, d, n) and ratios (n,) of an attempt
-    within the limits; rounds at most; returns the places of the knots that stay, control points, nets
-    and ratios for these, and the bound; None if all stay */
+    within the limits; how many knots beside the ends must stay, rounds at most; returns the places of
+    the knots that stay, control points, nets and ratios for these, and the bound; None if all stay */
     Call call;
-    begin(&call, count, 14);
+    begin(&call, count, 16);
     if (call.failed)
         return finish(&call, NULL);
     Stretch stretch = stretch_of(&call, values);
     Table x = reals(&call, values[10]), nets = reals(&call, values[11]);
     Table ratios = reals(&call, values[12]);
-    Index rounds = integer(&call, values[13]), n = x.rows - 1, d = stretch.target.d;
+    Index first = integer(&call, values[13]), last = integer(&call, values[14]);
+    Index rounds = integer(&call, values[15]), n = x.rows - 1, d = stretch.target.d;
     expect(&call, n >= 1 && nets.rows == 4 && nets.columns == d * n && ratios.rows == n,
            "nets and ratios do not fit the knots");
     for (Index span = 0; !call.failed && span < n; span++)
@@ -180,7 +181,7 @@ METHOD(core_spare)
     memcpy(fit.nets, nets.at, (size_t)(4 * d * n) * sizeof(double));
     memcpy(fit.ratios, ratios.at, (size_t)n * sizeof(double));
     for (Index i = 0; i <= n; i++) {
-        fit.needed[i] = i == 0 || i == n;
+        fit.needed[i] = i <= first || i >= n - last;
         fit.place[i] = i;
     }
     int more = 1;

@@ -159,6 +159,8 @@ def spare(
     x: Array,
     nets: Array,
     ratios: Array,
+    first: int,
+    last: int,
     rounds: int,
     /,
 ) -> tuple[bytearray, bytearray, bytearray, bytearray, float] | None: ...

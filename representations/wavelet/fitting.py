@@ -1,6 +1,6 @@
 """Fit a cubic spline on graded dyadic knots to a polyline on one stretch, with a proof.
 
-Attempt, halve the spans on which the proof fails, repeat. A first fit is then thinned: knots of
+Attempt, halve the spans on which the proof fails, repeat. What is found is then thinned: knots of
 which the curve hardly takes notice are taken out, many at a time, as long as the proof holds; a
 third of them on real outlines.
 """
@@ -114,7 +114,9 @@ def _unreachable(target: Target, found: Attempt) -> ToleranceError:
     )
 
 
-def thinned(problem: Problem, found: Attempt) -> Attempt:
+def thinned(
+    problem: Problem, found: Attempt, *, kept: tuple[int, int] = (0, 0), rounds: int = _THINNINGS
+) -> Attempt:
     """Take out knots as long as the proof holds.
 
     Parameters
@@ -122,6 +124,10 @@ def thinned(problem: Problem, found: Attempt) -> Attempt:
     problem : Problem
     found : Attempt
         Within the limits; at least three spans remain if an end is joined.
+    kept : pair of int, keyword-only
+        So many knots beside either end stay.
+    rounds : int, keyword-only
+        At most; each takes out up to a third of the knots.
 
     Returns
     -------
@@ -135,9 +141,10 @@ def thinned(problem: Problem, found: Attempt) -> Attempt:
     taking out one knot at a time.
     """
     if compiled.active:
-        return _thinned_at_once(problem, found)
+        return _thinned_at_once(problem, found, kept, rounds)
     needed = np.zeros(len(found.u) - 2, dtype=bool)
-    for _ in range(_THINNINGS):
+    needed[: kept[0]] = needed[len(needed) - kept[1] :] = True
+    for _ in range(rounds):
         spared = _sparable(found, problem.limits.min(), needed)
         if not spared.any():
             break
@@ -160,9 +167,11 @@ def thinned(problem: Problem, found: Attempt) -> Attempt:
     return found
 
 
-def _thinned_at_once(problem: Problem, found: Attempt) -> Attempt:
+def _thinned_at_once(
+    problem: Problem, found: Attempt, kept: tuple[int, int], rounds: int
+) -> Attempt:
     """Thin in the compiled core."""
-    made = compiled.core.spare(*problem.arrays, found.x, found.nets, found.ratios, _THINNINGS)
+    made = compiled.core.spare(*problem.arrays, found.x, found.nets, found.ratios, *kept, rounds)
     if made is None:
         return found
     stay, (points, nets, ratios) = np.frombuffer(made[0], np.intp), map(np.frombuffer, made[1:4])

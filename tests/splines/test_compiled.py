@@ -400,9 +400,16 @@ def test_a_wavelet_fit_is_the_same(drawn: tuple[Target, attempt.Problem, Array])
     assert abs(fast.bound - pure.bound) <= 1e-9 * scale
 
 
-@given(targets(), st.sampled_from([1.1, 1.5, 3.0]))
-def test_fits_are_thinned_alike(drawn: tuple[Target, attempt.Problem, Array], more: float) -> None:
-    """The same knots are spared, as long as the limits are kept."""
+@given(
+    targets(),
+    st.tuples(st.integers(0, 2), st.integers(0, 2)),
+    st.sampled_from([1, 3, 12]),
+    st.sampled_from([1.1, 1.5, 3.0]),
+)
+def test_fits_are_thinned_alike(
+    drawn: tuple[Target, attempt.Problem, Array], kept: tuple[int, int], rounds: int, more: float
+) -> None:
+    """The same knots are spared but for ties, within the limits, and those that are kept stay."""
     target, problem, u = drawn
     bends = target.points[:, :-1] * np.diff(target.t)
     slopes = np.cumsum(bends - bends.mean(axis=1, keepdims=True), axis=1)
@@ -412,12 +419,13 @@ def test_fits_are_thinned_alike(drawn: tuple[Target, attempt.Problem, Array], mo
     room = more * problem.attempt(u).bound + np.abs(points).max() / 1024
     problem = attrs.evolve(problem, limits=np.full(len(problem.limits), room))
     found = problem.attempt(u)
-    fast, pure = both(lambda: thinned(problem, found))
+    fast, pure = both(lambda: thinned(problem, found, kept=kept, rounds=rounds))
     for thin in (fast, pure):
         assert thin.ratios.max() <= 1.0
         assert thin.bound <= room + problem.slack
         assert set(thin.u) <= set(u)
-        assert same(thin.u[[0, -1]], u[[0, -1]])
+        assert same(thin.u[: 1 + kept[0]], u[: 1 + kept[0]])
+        assert same(thin.u[len(thin.u) - 1 - kept[1] :], u[len(u) - 1 - kept[1] :])
     assert same(fast.u, pure.u)
     scale = max(np.abs(pure.points).max(), np.abs(points).max())
     again = problem.attempt(fast.u)
@@ -896,9 +904,9 @@ def test_what_could_be_read_beyond_its_end_is_refused() -> None:
         with pytest.raises(ValueError, match="ascend"):
             call.attempt(*bare, np.zeros((1, 5)), nets, np.empty(2))
         with pytest.raises(ValueError, match="ascend"):
-            call.spare(*bare, nets, np.empty(2), 1)
+            call.spare(*bare, nets, np.empty(2), 0, 0, 1)
     with pytest.raises(ValueError, match="do not fit the knots"):
-        call.spare(*bare, nets, np.empty(3), 1)
+        call.spare(*bare, nets, np.empty(3), 0, 0, 1)
 
 
 @pytest.mark.parametrize("degree", [1, 3])
