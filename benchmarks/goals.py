@@ -165,8 +165,16 @@ GOALS: tuple[Goal, ...] = (
     ),
     Goal("evaluation of one point", "at any n", 10e-6, taking("evaluate-one"), "s"),
     Goal("evaluation of one point", "t(largest n) : t(10³)", 1.3, growth("evaluate-one")),
-    Goal("insertion of a knot", "ours : scipy, 10³", 0.5, beside("insert-one", "scipy", 1000)),
-    Goal("insertion of a knot", "ours : scipy, 10⁵", 0.05, beside("insert-one", "scipy", 100_000)),
+    *(
+        Goal(
+            "insertion of a knot",
+            f"{name} : {peer}, {text}",
+            limit,
+            beside("insert-one", peer, n, names=name, exactly=True),
+        )
+        for name, peer in (("polynomial", "scipy"), ("rational", "scipy, rational"))
+        for n, text, limit in ((1000, "10³", 0.5), (100_000, "10⁵", 0.05))
+    ),
     Goal("insertion of a knot", "t(largest n) : t(10³)", 1.5, growth("insert-one")),
     Goal("insertion of 100 knots", "ours : scipy loop", 0.125, beside("insert-100", "scipy")),
     Goal("sampling", "proved bound, in tolerances", 1, bounds),

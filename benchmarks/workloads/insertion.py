@@ -18,11 +18,12 @@ def contestants(case: Case, new: Array) -> Iterator[Contestant]:
     curve = spline(case.curve, case.size)
     rational = spline(case.curve, case.size, rational=True)
     scipy, knots, points = curve.to_scipy(), np.asarray(curve.knots), np.asarray(curve.points)
+    weights = np.asarray(rational.weights)
+    homogeneous = type(scipy)(knots, np.column_stack((points * weights[:, None], weights)), 3)
     yield Timed("polynomial", lambda k: curve.insert_knots(new), ours=True)
     yield Timed("rational", lambda k: rational.insert_knots(new), ours=True)
 
-    def insert_by_scipy(k: int) -> object:
-        found = scipy
+    def insert_by_scipy(found: Any) -> object:
         for t in new.tolist():
             found = found.insert_knot(t)
         return found
@@ -35,7 +36,8 @@ def contestants(case: Case, new: Array) -> Iterator[Contestant]:
             found = insert(t, found)
         return found
 
-    yield Timed("scipy", insert_by_scipy)
+    yield Timed("scipy", lambda k: insert_by_scipy(scipy))
+    yield Timed("scipy, rational", lambda k: insert_by_scipy(homogeneous))
     yield Timed("FITPACK", insert_by_fitpack)
     yield _changed_in_place("splinepy", "splinepy", lambda m: _Splinepy(m, knots, points, new))
     yield _changed_in_place("OCP", "OpenCASCADE", lambda m: _Occ(knots, points, new))
