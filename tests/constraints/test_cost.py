@@ -86,10 +86,13 @@ def test_constraints_apart_cost_no_fit() -> None:
 
 
 @pytest.mark.parametrize("kind", ["direct manipulation", "sweep", "sweep of two"])
-def test_the_moves_of_a_gesture_factor_nothing_but_the_first(
+def test_the_moves_of_a_gesture_factor_nothing_twice(
     kind: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """One move costs the re-application only; the results are those of moves one by one."""
+    """A system is factored once in a gesture, and knots seldom move so that there is a new one.
+
+    The results are those of moves one by one.
+    """
     calls = []
 
     def counted(*arguments: Any) -> splines.Factored:
@@ -109,11 +112,13 @@ def test_the_moves_of_a_gesture_factor_nothing_but_the_first(
     counts = []
     with dragged.gesture("c") as gesture:
         for k in range(6):
-            calls.clear()
+            before = len(calls)
             gesture.apply(move(dragged, k))
-            counts.append(len(calls))
+            counts.append(len(calls) - before)
+    systems = {tuple(np.asarray(argument).tobytes() for argument in call) for call in calls}
+    assert len(systems) == len(calls)
     assert counts[0] > 0
-    assert counts[1:] == [0] * 5
+    assert counts.count(0) >= 3
     calls.clear()
     for k in range(6):
         moved.apply("c", move(moved, k))
