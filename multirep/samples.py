@@ -168,4 +168,4 @@ class RecentSamples:
             self._thinned = [known.followed(edit), *self._thinned[: VERSIONS - 1]]
 
     def _thinned_of(self, author: Representation) -> ThinnedStretches | None:
-        return next((known for known in self._thinned if known.author is author), None)
+        return next((known for known in self._thinned if known.are_of(author)), None)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from itertools import pairwise
+from weakref import ref
 
 import numpy as np
 
@@ -101,12 +102,17 @@ class ThinnedStretches:
     Parameters
     ----------
     author : Representation
+        Not kept: an old version would keep all blocks that later ones have replaced.
     """
 
     def __init__(self, author: Representation) -> None:
-        self.author = author
+        self._author = ref(author)
         self._known: dict[tuple[float, float, float, float], SampledSplice] = {}
         self._samples = 0
+
+    def are_of(self, author: Representation) -> bool:
+        """Whether they are those of exactly this value."""
+        return self._author() is author
 
     def recall(self, stretch: Interval, *, tolerance: float, limit: float) -> SampledSplice | None:
         """Return what is known of a stretch."""

@@ -1,5 +1,7 @@
 """A stretch that several representations follow is sampled once, and never from an older value."""
 
+import gc
+import weakref
 from itertools import pairwise
 
 import numpy as np
@@ -246,6 +248,19 @@ def test_only_few_thinned_samples_are_kept() -> None:
     assert [len(known._known) <= KEPT_THINNED for known in recent._thinned] == [True] * VERSIONS
     recent.edited(value, value.move_vertices(0, value.points[:] + 1.0))
     assert not recent._thinned[0]._known
+
+
+def test_thinned_samples_keep_no_value_alive() -> None:
+    """An old version would keep all blocks that later ones have replaced."""
+    recent, value = RecentSamples(), waves(4 * PART)
+    recent(value, Interval(0, 0.5), tolerance=1e-3, limit=1e-3)
+    recent.edited(value, value.move_vertex(7 * PART // 2, [0.0, 0.1]))
+    known = weakref.ref(value)
+    del value
+    for _ in range(KEPT):  # samples that were not thinned have their bound
+        recent(waves(8), Interval(0, 1), tolerance=1e-3)
+    gc.collect()
+    assert known() is None
 
 
 def test_thinned_samples_that_are_many_are_not_kept() -> None:
