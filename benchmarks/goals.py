@@ -90,8 +90,8 @@ SCALED = f"scaled to a machine that copies 16 MB in {COPY} ms"
 GOALS: tuple[Goal, ...] = (
     Goal("drag step", f"n = 10³, {SCALED}", 1e-3, scaled("yardstick", "copy", 1000), "s"),
     *(
-        Goal("drag step", f"t({text}) : t(10³)", 2, growth(workload))
-        for workload, text in (("drag", "10⁵"), ("yardstick", "10⁶"))
+        Goal("drag step", f"t({text}) : t(10³)", 2, growth(workload, n))
+        for workload, n, text in (("drag", 100_000, "10⁵"), ("yardstick", 1_000_000, "10⁶"))
     ),
     *(
         Goal(

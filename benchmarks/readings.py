@@ -87,12 +87,12 @@ def times_faster(workload: str, peer: str, *sizes: int) -> Reading:
     return read
 
 
-def growth(workload: str) -> Reading:
-    """Read t(n) : t(10^3) of ours at the largest n that was measured."""
+def growth(workload: str, size: int | None = None) -> Reading:
+    """Read t(n) : t(10^3) of ours at a size, or at the largest that was measured."""
 
     def read(results: Results) -> Iterator[Found]:
         largest = max((cell.size for cell in cells(results, workload)), default=0)
-        for cell in cells(results, workload, largest):
+        for cell in cells(results, workload, size or largest):
             yield from ((e.growth, place(cell, e)) for e in cell.ours if e.growth)
 
     return read
