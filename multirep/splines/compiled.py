@@ -40,8 +40,8 @@ def fitting(built: ModuleType, interface: Path) -> ModuleType | None:
     if not _PURE:
         warnings.warn(
             f"the compiled core, {built.__file__}, was built for another version of multirep and "
-            "is left out: numpy does the same work, about three times as slowly. Build it anew, in "
-            "a checkout with 'pip install -e .', elsewhere with "
+            "is left out: numpy does the same work, five to eight times as slowly. Build it anew, "
+            "in a checkout with 'pip install -e .', elsewhere with "
             "'pip install --force-reinstall --no-deps multirep'",
             RuntimeWarning,
             stacklevel=2,
