@@ -51,10 +51,10 @@ def simplified(t: Array, points: Array, limit: Array | float) -> tuple[IntArray,
     ([0, 4, 8], True)
     """
     if compiled.active:
-        limits, same = (None, limit) if isinstance(limit, float) else (limit, 0.0)
+        limits, same = (limit, 0.0) if isinstance(limit, np.ndarray) else (None, limit)
         found = compiled.core.thin(t, points, limits, same, ROUNDS, MERGES, GOING_ON)
         return np.frombuffer(found[0], dtype=np.intp), np.frombuffer(found[1])
-    at_vertices = limit if isinstance(limit, float) else np.minimum(limit[1:], limit[:-1])
+    at_vertices = np.minimum(limit[1:], limit[:-1]) if isinstance(limit, np.ndarray) else limit
     count = len(t)
     kept = _laid_out(t, points, at_vertices)
     for _ in range(ROUNDS):

@@ -86,7 +86,7 @@ class NurbsValue(SplineCurve):
     ) -> Self:
         """Return a value with other arrays and the same domain; internal, nothing is checked."""
         new = object.__new__(type(self))
-        state = new.__dict__
+        state: dict[str, Any] = vars(new)
         state.update(self.__dict__)
         if degree is not None:
             state["degree"] = degree
