@@ -127,13 +127,14 @@ GOALS: tuple[Goal, ...] = (
     *(
         Goal(
             "first view",
-            f"control points : searched splprep {text}",
+            f"control points of a {what} : splprep, searched{text}",
             1.1,
-            beside("control-points", name, names="nurbs", exactly=True),
+            beside("control-points", peer, names=f"nurbs {what}", exactly=True),
         )
-        for name, text in (
-            ("splprep", "(within ε; a view is within ε/2)"),
-            ("splprep, half the tolerance", "within ε/2, too"),
+        for what, peer, text in (
+            ("fit", "splprep", ""),
+            ("view", "splprep, half the tolerance", " within ε/2, as a view is"),
+            ("view", "splprep", ""),
         )
     ),
     Goal(

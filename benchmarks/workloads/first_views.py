@@ -66,6 +66,9 @@ def control_points(case: Case) -> Iterator[Contestant]:
     )
     for kind in (Nurbs, WaveletBSpline):
         yield Counted(f"{kind.name} view", curve.view(kind).size, "controls", ours=True)
+    whole = curve.view(Polyline).sample(curve.domain, tolerance=case.tolerance)
+    fitted = Nurbs.fit(whole, tolerance=case.tolerance)
+    yield Counted("nurbs fit, all of the tolerance", fitted.size, "controls", ours=True)
     for name, search in searches(case).items():
         yield Counted(name, search.control_points, "controls")
 
