@@ -2,7 +2,7 @@
 # make test    everything that is checked: lint, types, tests; .ci/run calls it
 # make picture the picture of the README, from examples/cat.toml
 # make gallery docs/gallery.md and its pictures, from the scripts that it shows
-# make bench   measures everything beside its peers: docs/performance.md and .svg (about seven minutes)
+# make bench   measures everything beside its peers: docs/performance.md and .svg (about five minutes)
 # make bench-full   the same up to a million vertices
 # make bench-check  measures a quick part again; fails when a ratio lost more than a third
 # make types   pyright beside mypy (fetches Node.js once)

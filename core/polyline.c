@@ -277,7 +277,7 @@ METHOD(core_join)
     }
     expect(&call, at + 1 == t.rows, "the pieces do not make the whole");
     for (Index i = 0; !call.failed && i < at; i++)
-        largest = larger(largest, bounds.at[i]);
+        largest = worse(largest, bounds.at[i]);
     return finish(&call, call.failed ? NULL : PyFloat_FromDouble(largest));
 }
 

@@ -76,7 +76,7 @@ void halve(Prediction *given, double start, double stop, int depth)
 }
 
 Prediction prediction_of(Call *call, Target target, Table allowances, Table corners,
-                                Table projections, Table places, Index room)
+                         Table projections, Table places, Index room)
 {
     Index samples = places.rows;
     expect(call, allowances.rows == target.chords, "each chord needs an allowance");

@@ -184,7 +184,7 @@ METHOD(core_thin)
         double most = 0.0;
         aim(&line, kept[k], kept[k + 1]);
         for (Index i = kept[k] + 1; i < kept[k + 1]; i++)
-            most = larger(most, off_chord(&line, kept[k], i));
+            most = worse(most, off_chord(&line, kept[k], i));
         deviations[k] = kept[k + 1] - kept[k] > 1 ? sqrt(most) + slack : 0.0;
     }
     PyObject *vertices = bytes_of(kept, found * (Index)sizeof(Index));
@@ -193,8 +193,8 @@ METHOD(core_thin)
 }
 
 /* How far the chord between two samples is from one between them, squared. */
-static inline double off_samples(const Table *t, const Table *vertices, const Table *targets, Index left,
-                               Index right, Index at)
+static inline double off_samples(const Table *t, const Table *vertices, const Table *targets,
+                                 Index left, Index right, Index at)
 {
     Index d = vertices->columns;
     const double *first = vertices->at + left * d, *last = vertices->at + right * d;
@@ -287,7 +287,7 @@ METHOD(core_simplify)
     double worst = 0.0;
     for (Index k = 0; k + 1 < chosen; k++)
         for (Index at = kept[k] + 1; at < kept[k + 1]; at++)
-            worst = larger(worst, off_samples(&t, &vertices, &targets, kept[k], kept[k + 1], at));
+            worst = worse(worst, off_samples(&t, &vertices, &targets, kept[k], kept[k + 1], at));
     PyObject *deviation = PyFloat_FromDouble(chosen < m ? sqrt(worst) + rounding : 0.0);
     return finish(&call, pair_of(&call, bytes_of(kept, chosen * (Index)sizeof(Index)), deviation));
 }

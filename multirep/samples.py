@@ -135,9 +135,8 @@ class RecentSamples:
     ) -> SampledSplice:
         """Thin a stretch part by part, and remember the parts and the whole."""
         known = self._thinned_of(author) or ThinnedStretches(author)
-        self._thinned = [known, *[other for other in self._thinned if other is not known]][
-            :VERSIONS
-        ]
+        others = [other for other in self._thinned if other is not known]
+        self._thinned = [known, *others[: VERSIONS - 1]]
         joined = known.recall(stretch, tolerance=tolerance, limit=limit)
         if joined is not None:
             return joined

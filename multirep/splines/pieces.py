@@ -5,6 +5,7 @@ What the certified bounds and the sampler share. A *cell* is a nonempty knot spa
 so that the spline is one polynomial and the polyline one line there.
 """
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -134,15 +135,23 @@ def largest_coordinate(one: Array, other: Array = _NONE) -> float:
     return float(np.maximum(*largest))
 
 
+def rounding_unit(degree: int, dimension: int) -> float:
+    """Bound what rounding does to a computed deviation, as a part of the largest coordinate.
+
+    ``(8 p + 16)`` units per coordinate: each of the 2p blending steps of the Bernstein form costs
+    at most 4, the line and the difference the rest.
+    """
+    return (8 * degree + 16) * EPS * math.sqrt(dimension)
+
+
 def rounding(stretch: Stretch, points: Array) -> Array | float:
     """Bound what rounding does to a computed deviation, for each cell or for all of them.
 
-    ``(8 p + 16)`` units per coordinate: each of the 2p blending steps of the Bernstein form costs
-    at most 4, the line and the difference the rest. A rational is a quotient whose weights may
-    differ within a cell by their ratio.
+    See `rounding_unit`. A rational is a quotient whose weights may differ within a cell by their
+    ratio.
     """
     coefficients, degree = stretch.coefficients, stretch.degree
-    unit = (8 * degree + 16) * EPS * float(np.sqrt(points.shape[1]))
+    unit = rounding_unit(degree, points.shape[1])
     if not stretch.rational:
         return unit * largest_coordinate(coefficients, points)
     weights = coefficients[:, -1]

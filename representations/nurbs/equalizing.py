@@ -35,7 +35,7 @@ def equalized(degree: int, trial: Trial, target: float = TARGET) -> Breakpoints:
     at, times = trial.breakpoints
     fixed = (times >= degree).nonzero()[0]
     fixed = np.concatenate(([0], fixed[(fixed > 0) & (fixed < len(at) - 1)], [len(at) - 1]))
-    shares = _smoothed(_shares(degree, trial, target), fixed)
+    shares = _smoothed(spans_needed(degree, trial, target), fixed)
     counts = np.maximum(np.ceil(np.add.reduceat(shares, fixed[:-1])), 1.0)
     return _laid_out(trial.breakpoints, fixed, shares, counts.astype(np.intp))
 
@@ -54,7 +54,7 @@ def relieved(degree: int, trial: Trial) -> Breakpoints:
     stays = np.ones(len(times), dtype=bool)
     stays[1:-1] = ~(helping[1:] & helping[:-1]) | (times[1:-1] >= degree)
     fixed = stays.nonzero()[0]
-    shares = _shares(degree, trial, TARGET)
+    shares = spans_needed(degree, trial, TARGET)
     counts = fixed[1:] - fixed[:-1]
     needs = np.ceil(np.add.reduceat(shares, fixed[:-1])).astype(np.intp)
     failed = np.logical_or.reduceat(failing, fixed[:-1])
@@ -62,7 +62,7 @@ def relieved(degree: int, trial: Trial) -> Breakpoints:
     return _laid_out(trial.breakpoints, fixed, shares, counts)
 
 
-def _shares(degree: int, trial: Trial, target: float) -> Array:
+def spans_needed(degree: int, trial: Trial, target: float) -> Array:
     """Return how many spans that leave the target each span stands for."""
     return np.asarray(np.maximum(trial.worst / target, SMALLEST_RATIO) ** (1 / (degree + 1)))
 

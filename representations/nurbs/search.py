@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 
 from multirep.arrays import Array, Indices
 from multirep.errors import ToleranceError
-from multirep.representations.nurbs.equalizing import TARGET, equalized
+from multirep.representations.nurbs.equalizing import TARGET, equalized, spans_needed
 from multirep.representations.nurbs.problem import Breakpoints, Course, Problem, Trial
 from multirep.representations.nurbs.refinement import merged_breakpoints, refined
+from multirep.splines.pieces import rounding_unit
 
-#: Rounding of one operation is at most half of it.
-EPSILON = 2.0**-52
 #: Rounds of cutting before the last resort, corners at all vertices of what still fails.
 ROUNDS = 20
 #: The last resort begins earlier when there are so many spans for each vertex and order: cutting
@@ -36,7 +33,7 @@ def check_tolerance(course: Course, degree: int, tolerance: float) -> None:
     ------
     ToleranceError
     """
-    unit = (8 * degree + 16) * EPSILON * math.sqrt(course.points.shape[1]) * course.largest
+    unit = rounding_unit(degree, course.points.shape[1]) * course.largest
     if not course.tightest > 2 * unit:
         raise ToleranceError(
             f"a tolerance of {tolerance:.3g} is below what rounding allows for coordinates up to "
@@ -83,7 +80,7 @@ def _could_be_fewer(degree: int, trial: Trial, forced: int) -> bool:
     enough = WORTHWHILE * len(trial.worst) - 1 - forced
     if enough <= 0 or int((trial.breakpoints.times[1:-1] >= degree).sum()) >= enough:
         return False
-    return float((np.maximum(trial.worst / TARGET, 1e-4) ** (1 / (degree + 1))).sum()) < enough
+    return float(spans_needed(degree, trial, TARGET).sum()) < enough
 
 
 def passed(problem: Problem, begin: Breakpoints, tolerance: float) -> Trial:

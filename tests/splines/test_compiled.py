@@ -5,14 +5,13 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 from pathlib import Path
-from typing import Any, NamedTuple, TypeVar
+from typing import Any, NamedTuple
 
 import attrs
 import numpy as np
 import pytest
+from cores import both, core
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
@@ -51,29 +50,10 @@ from multirep.splines.pieces import cut_stretch, rounding
 from multirep.splines.polar import blossom
 from multirep.splines.simplification import simplified
 
-R = TypeVar("R")
 ROOT = Path(__file__).resolve().parents[2]
 EPS = float(np.finfo(float).eps)
 
 pytestmark = pytest.mark.skipif(compiled.core is None, reason="the core was not built")
-
-
-@contextmanager
-def core(active: bool) -> Iterator[None]:
-    """Let functions use the core, or not."""
-    before, compiled.active = compiled.active, active
-    try:
-        yield
-    finally:
-        compiled.active = before
-
-
-def both(function: Callable[[], R]) -> tuple[R, R]:
-    """Call with the core and without it."""
-    with core(True):
-        fast = function()
-    with core(False):
-        return fast, function()
 
 
 def same(one: Any, two: Any) -> bool:
@@ -593,6 +573,16 @@ def test_pieces_are_joined_alike(count: int, d: int, seed: int) -> None:
     assert same(fast.points, pure.points)
     assert same(fast.chord_bounds, pure.chord_bounds)
     assert (fast.bound, fast.breaks) == (pure.bound, pure.breaks)
+
+
+def test_what_is_no_number_stays_in_a_joined_certificate() -> None:
+    """Whatever follows it, the whole is not certified."""
+    t = np.array([0.0, 1.0])
+    pieces = [
+        SampledSplice.unchecked(t + k, t[:, None], bound, (), np.array([bound]))
+        for k, bound in enumerate((0.5, np.nan, 0.25))
+    ]
+    assert all(np.isnan(joined.bound) for joined in both(lambda: join(pieces)))
 
 
 @given(polylines(), st.integers(1, 8))

@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
-from typing import TypeVar
-
 import numpy as np
 import pytest
+from cores import both
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -17,27 +14,7 @@ from multirep.blocks import BlockArray
 from multirep.runs import Run
 from multirep.splines import compiled
 
-R = TypeVar("R")
-
 pytestmark = pytest.mark.skipif(compiled.core is None, reason="the core was not built")
-
-
-@contextmanager
-def core(active: bool) -> Iterator[None]:
-    """Let functions use the core, or not."""
-    before, compiled.active = compiled.active, active
-    try:
-        yield
-    finally:
-        compiled.active = before
-
-
-def both(function: Callable[[], R]) -> tuple[R, R]:
-    """Call with the core and without it."""
-    with core(True):
-        fast = function()
-    with core(False):
-        return fast, function()
 
 
 def ids(some: tuple[Run, ...]) -> list[list[int]]:
